@@ -1,0 +1,208 @@
+"""Who may run, and when: the virtual clock's rules, without any I/O.
+
+The coordinator is told what was said and what was done; it answers with grants. Simulated
+time is whole nanoseconds. A message said at t is heard at t + hop, never before. A process is
+single-threaded: what arrives while it is busy waits. Messages heard at the same time are
+handled in the order (time, priority of the source, source, sequence), so the order is total.
+
+Invariants:
+- a process has at most one grant open;
+- a grant names every message that the process has heard and not yet handled, in order;
+- ``done`` releases nothing before the end of the handler that said it;
+- with a positive hop nothing said at an instant is heard in that instant, so the grants of an
+  instant do not depend on the order in which they are carried out.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from bus.wire import MessageId
+
+
+class CoordinationError(RuntimeError):
+    """The rules of virtual time were broken: by whom, when, and how."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grant:
+    """Leave to handle these messages at this time."""
+
+    process: str
+    time_ns: int
+    messages: tuple[MessageId, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """That a message was said: enough to know who hears it when."""
+
+    topic: str
+    source: str
+    sequence: int
+    said_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Handled:
+    """One handler's work on one message."""
+
+    topic: str
+    source: str
+    sequence: int
+    start_ns: int
+    end_ns: int
+    cells: int
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What came of a grant."""
+
+    process: str
+    time_ns: int
+    handled: tuple[Handled, ...]
+    said: tuple[Said, ...]
+
+
+@dataclass(slots=True)
+class _Process:
+    priority: int
+    inbox: list[tuple[int, int, str, int]] = field(default_factory=list)
+    free_ns: int = 0
+    granted: Grant | None = None
+    alive: bool = True
+
+    def next_ns(self) -> int | None:
+        """When it may run next, if anything waits for it."""
+        if not self.inbox or self.granted is not None:
+            return None
+        return max(self.inbox[0][0], self.free_ns)
+
+
+class Coordinator:
+    """Decides who may run.
+
+    ``priority`` by process: the lower the number, the earlier in ties and in the queue for
+    processors. ``subscribers``: who hears a topic. ``processors``: how many of the processes
+    may compute at once (None: one each); a waiting process takes a processor when one is free.
+    """
+
+    def __init__(
+        self,
+        priority: Mapping[str, int],
+        subscribers: Mapping[str, tuple[str, ...]],
+        hop_ns: int,
+        processors: int | None = None,
+    ) -> None:
+        if hop_ns < 1:
+            raise CoordinationError(f"hop_ns is {hop_ns}, expected at least 1")
+        self._processes = {name: _Process(p) for name, p in priority.items()}
+        self._subscribers = subscribers
+        self._hop_ns = hop_ns
+        self._processors = processors
+        self._busy: list[int] = []  # when each processor in use becomes free
+        self._rank = dict(priority)
+        self._now_ns = 0
+
+    def said(self, said: Said) -> None:
+        """Take note of a message; its listeners hear it a hop later."""
+        if said.said_ns < self._now_ns:
+            raise CoordinationError(
+                f"{said.source} said message {said.sequence} on {said.topic} at {said.said_ns} ns, "
+                f"before now ({self._now_ns} ns)"
+            )
+        heard_ns = said.said_ns + self._hop_ns
+        rank = self._rank.get(said.source, 0)
+        for name in self._subscribers.get(said.topic, ()):
+            process = self._processes.get(name)
+            if process is not None and process.alive:
+                heapq.heappush(process.inbox, (heard_ns, rank, said.source, said.sequence))
+
+    def next_ns(self) -> int | None:
+        """The earliest time at which a grant is possible, or None while nothing waits."""
+        waiting = [p.next_ns() for p in self._processes.values()]
+        times = [t for t in waiting if t is not None]
+        if not times:
+            return None
+        earliest = min(times)
+        if self._processors is not None and len(self._busy) >= self._processors:
+            earliest = max(earliest, min(self._busy))
+        return max(earliest, self._now_ns)
+
+    def grants(self, now_ns: int) -> list[Grant]:
+        """All that may run at ``now_ns``, the first in priority first."""
+        if now_ns < self._now_ns:
+            raise CoordinationError(f"time went back from {self._now_ns} to {now_ns} ns")
+        self._now_ns = now_ns
+        self._busy = [t for t in self._busy if t > now_ns]
+        ready = [
+            (process.priority, name)
+            for name, process in self._processes.items()
+            if (next_ns := process.next_ns()) is not None and next_ns <= now_ns
+        ]
+        free = None if self._processors is None else self._processors - len(self._busy)
+        return [self._grant(name, now_ns) for _, name in sorted(ready)[:free]]
+
+    def _grant(self, name: str, now_ns: int) -> Grant:
+        process = self._processes[name]
+        messages: list[MessageId] = []
+        while process.inbox and process.inbox[0][0] <= now_ns:
+            _, _, source, sequence = heapq.heappop(process.inbox)
+            messages.append((source, sequence))
+        process.granted = Grant(name, now_ns, tuple(messages))
+        return process.granted
+
+    def done(self, done: Done) -> None:
+        """Take what came of a grant: the process is busy until its last handler ends."""
+        process = self._processes.get(done.process)
+        if process is None or process.granted is None:
+            raise CoordinationError(f"{done.process} is done with something it was not granted")
+        self._check(process.granted, done)
+        process.granted = None
+        process.free_ns = done.handled[-1].end_ns if done.handled else done.time_ns
+        if self._processors is not None and process.free_ns > done.time_ns:
+            self._busy.append(process.free_ns)
+        for said in done.said:
+            self.said(said)
+
+    def _check(self, grant: Grant, done: Done) -> None:
+        if done.time_ns != grant.time_ns:
+            raise CoordinationError(
+                f"{done.process} answers the grant of {done.time_ns} ns, "
+                f"expected that of {grant.time_ns} ns"
+            )
+        named = tuple((h.source, h.sequence) for h in done.handled)
+        if named != grant.messages:
+            raise CoordinationError(
+                f"{done.process} at {grant.time_ns} ns was granted {list(grant.messages)}, "
+                f"handled {list(named)}"
+            )
+        at_ns = grant.time_ns
+        for handled in done.handled:
+            if handled.start_ns != at_ns or handled.end_ns < at_ns:
+                raise CoordinationError(
+                    f"{done.process}: a handler from {handled.start_ns} to {handled.end_ns} ns, "
+                    f"expected it to begin at {at_ns} ns"
+                )
+            at_ns = handled.end_ns
+
+    def died(self, process: str) -> None:
+        """Forget a process: it hears and says nothing any more."""
+        state = self._processes[process]
+        state.alive, state.granted = False, None
+        state.inbox.clear()
+
+    def alive(self, process: str) -> bool:
+        """Whether a process still takes part."""
+        return self._processes[process].alive
+
+    def computing(self, process: str, now_ns: int) -> bool:
+        """Whether a process is in a handler at a time."""
+        return self._processes[process].free_ns > now_ns
+
+    def waiting_for(self) -> list[str]:
+        """The processes with an open grant."""
+        return [name for name, p in self._processes.items() if p.granted is not None]

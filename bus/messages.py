@@ -1,0 +1,344 @@
+"""Every message that the processes exchange.
+
+One frozen structure a message; :mod:`bus.topics` says who publishes which and who listens.
+Times are simulated nanoseconds since the run began, angles radians counter-clockwise from
+east, headings and directions the bits N=1, E=2, S=4, W=8. A *visit* counts the stops at
+locally distinctive places (LDPs); an *action* counts the sensing actions, 0 is "driving".
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from bus.fields import (
+    Bytes1,
+    Bytes2,
+    Distribution,
+    Distributions3,
+    FiniteFloats,
+    Floats,
+    Floats2,
+    Ints,
+    Ints2,
+    Likelihood,
+)
+
+
+class Message(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
+    """What every message is: frozen, compared by identity of its fields, packed as a list."""
+
+
+# What the body senses.
+
+
+class Odometry(Message, frozen=True):
+    """Raw wheel counts since the last one, as distance and turn."""
+
+    distance_m: float
+    turn_rad: float
+    elapsed_s: float
+
+
+class Sonar(Message, frozen=True):
+    """Raw echoes of one firing of the ring; NaN where none came back."""
+
+    ping: int
+    action: int
+    ranges_m: Floats
+
+
+class Departure(Message, frozen=True):
+    """The body leaves an LDP; ``visit`` is the stop it is heading for."""
+
+    visit: int
+    heading: int
+
+
+class Arrival(Message, frozen=True):
+    """The body stands at the port of an LDP, having driven a corridor."""
+
+    visit: int
+    heading: int
+    drive_s: float
+
+
+class Blocked(Message, frozen=True):
+    """The body found a wall where it meant to leave, and is back where it was."""
+
+    visit: int
+    heading: int
+
+
+class ActionEnded(Message, frozen=True):
+    """The body finished the steps of a sensing action."""
+
+    action: int
+
+
+# What the modules believe.
+
+
+class Ranges(Message, frozen=True):
+    """Distribution of the range to the nearest surface, one Gaussian a transducer.
+
+    ``echo`` is the probability that the echo is a real one; where none came back, the mean is
+    NaN and ``echo`` is 0.
+    """
+
+    ping: int
+    action: int
+    mean_m: Floats
+    sigma_m: Floats
+    echo: FiniteFloats
+    speed_m_s: float
+
+
+class PoseBelief(Message, frozen=True):
+    """Where the robot is relative to where it began: Gaussian over x, y and heading."""
+
+    mean: FiniteFloats
+    covariance: Floats2
+
+
+class Reading(Message, frozen=True):
+    """What detector d_{f,w} found: Pr(X_{f,w}) by its own lights, and the evidence class."""
+
+    visit: int
+    action: int
+    feature: int
+    wedge: int
+    probability: float
+    evidence: int
+
+
+class JunctionPrior(Message, frozen=True):
+    """pi(J) for the junction ahead: all that is known but this visit's readings."""
+
+    visit: int
+    x: int
+    y: int
+    heading: int
+    prior: Distribution
+
+
+class JunctionLikelihood(Message, frozen=True):
+    """lambda(J) = P(readings of this visit | junction type)."""
+
+    visit: int
+    likelihood: Likelihood
+    readings: int
+    finished: bool
+
+
+class MapBelief(Message, frozen=True):
+    """The posterior over all connected maps, as marginals and as a weighted set of maps.
+
+    ``maps`` come grouped so that for each junction type at (x, y) any first few are an exact
+    sample given that type. ``corridor_s`` is the time to drive each corridor as far as known.
+    """
+
+    visit: int
+    x: int
+    y: int
+    heading: int
+    junctions: Distributions3
+    corridors: FiniteFloats
+    corridor_s: FiniteFloats
+    log_evidence: float
+    entropy: float
+    maps: Bytes2
+    weights: Distribution
+    log_probability: FiniteFloats
+
+
+# What is asked, decided and commanded.
+
+
+class AskedSensing(Message, frozen=True):
+    """Which feature to test after ``action``? Due at its end."""
+
+    decision: int
+    visit: int
+    action: int
+    asked_ns: int
+    until_ns: int
+
+
+class AskedPath(Message, frozen=True):
+    """Which corridor to take from the LDP of ``visit``? Due on arrival there.
+
+    ``waypoints`` are the goals still to be reached, the current one first; ``tasks`` (start,
+    goal) with ``expected`` numbers are the errands that may come.
+    """
+
+    decision: int
+    visit: int
+    waypoints: Ints
+    tasks: Ints2
+    expected: FiniteFloats
+    asked_ns: int
+    until_ns: int
+
+
+class AskedReaction(Message, frozen=True):
+    """Something approaches (kept for the ledger: the reactor must notice by itself)."""
+
+    decision: int
+    encounter: int
+    asked_ns: int
+    until_ns: int
+
+
+class SensingDecision(Message, frozen=True):
+    """For each outcome of the running action: the next detector, or -1 and the type concluded."""
+
+    decision: int
+    visit: int
+    action: int
+    next_detector: Ints
+    concluded: Ints
+    information_nats: float
+
+
+class PathDecision(Message, frozen=True):
+    """For each junction type at the far end: the way out (0: stay) and both expected values.
+
+    ``known_s`` is E[P_K], ``unknown_s`` E[P_U] of the best exploratory step; both may be inf.
+    """
+
+    decision: int
+    visit: int
+    direction: Bytes1
+    known_s: Floats
+    unknown_s: Floats
+    explores: Bytes1
+    hypotheses: int
+
+
+class ReactionDecision(Message, frozen=True):
+    """What to do about an approaching object, with the expected utility of every act."""
+
+    act: str
+    expected_utility: FiniteFloats
+    approaching: float
+
+
+class Motion(Message, frozen=True):
+    """The steps of a sensing action: rows of (kind, amount), kinds as in DRIVE, TURN, PING.
+
+    ``after`` is the action before it at the same LDP, 0 if it is the first there.
+    """
+
+    visit: int
+    after: int
+    action: int
+    detector: int
+    steps: Floats2
+
+
+DRIVE, TURN, PING = 0, 1, 2
+"""Kinds of motion steps: metres, radians, number of firings of the ring."""
+
+
+class Attention(Message, frozen=True):
+    """How often to fire the ring while driving."""
+
+    period_s: float
+
+
+# What the clock and the deadlines leave behind.
+
+
+class DeadlineMissed(Message, frozen=True):
+    """A decision was not heard by its deadline; said at exactly that moment."""
+
+    decision: int
+    kind: str
+    until_ns: int
+
+
+class LedgerEntry(Message, frozen=True):
+    """What became of one decision. ``decided_ns`` is -1 when it never came."""
+
+    decision: int
+    kind: str
+    visit: int
+    asked_ns: int
+    until_ns: int
+    decided_ns: int
+    slack_ns: int
+    cells: int
+    size: int
+    idle_ns: int
+    instead: str
+    cause: str
+
+
+class Span(Message, frozen=True):
+    """One handler's work: what it handled, when it began and ended, the cells it touched."""
+
+    process: str
+    topic: str
+    source: str
+    sequence: int
+    start_ns: int
+    end_ns: int
+    cells: int
+
+
+class Refused(Message, frozen=True):
+    """A message that was not let in, and why."""
+
+    topic: str
+    source: str
+    sequence: int
+    reason: str
+    count: int
+
+
+class RunEnded(Message, frozen=True):
+    """Why the run ended: ``done``, ``time``, ``stuck``, ``stopped`` or ``process down: NAME``."""
+
+    reason: str
+
+
+# What really is: for the recorder alone.
+
+
+class TrueBuilding(Message, frozen=True):
+    """The building and who walks in it."""
+
+    columns_m: FiniteFloats
+    rows_m: FiniteFloats
+    corridor_width_m: float
+    corridors: Bytes1
+    start: int
+
+
+class TruePose(Message, frozen=True):
+    """Where the robot really is."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+    place: int
+
+
+class TrueErrand(Message, frozen=True):
+    """An errand was done; ``shortest_s`` is the time of the shortest possible way."""
+
+    errand: int
+    start: int
+    goal: int
+    began_ns: int
+    ended_ns: int
+    shortest_s: float
+
+
+class TrueEncounter(Message, frozen=True):
+    """How a meeting with somebody in a corridor went."""
+
+    encounter: int
+    collided: bool
+    closest_m: float
+    delay_s: float

@@ -1,0 +1,105 @@
+"""One process's turns: the same code runs a module under every clock.
+
+A module is a table of handlers by topic. A handler gets the message and its :class:`Turn`,
+on which it reports the work it did, in cells, and says what it has to say; all of it is
+released when the handler ends, at start + cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeAlias
+
+import msgspec
+import numpy as np
+
+from bus.coordinator import Done, Grant, Handled, Said
+from bus.costs import CostModel
+from bus.messages import Message
+from bus.topics import TOPIC_OF
+from bus.wire import MessageId, Sent
+
+
+class Voice:
+    """Numbers what a process says: one count for the process, one link a topic."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self._sequence = 0
+        self._previous: dict[str, int] = {}
+
+    def sent(self, message: Message, said_ns: int, parents: tuple[MessageId, ...]) -> Sent:
+        """Put a message into its envelope. Its arrays become read-only."""
+        topic = TOPIC_OF[type(message)].name
+        for value in msgspec.structs.astuple(message):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        sequence = self._sequence
+        self._sequence += 1
+        previous = self._previous.get(topic, -1)
+        self._previous[topic] = sequence
+        return Sent(topic, self.source, sequence, previous, said_ns, parents, message)
+
+
+@dataclass
+class Turn:
+    """A handler's turn: when it began, what computing costs, and what it says."""
+
+    start_ns: int
+    costs: CostModel
+    said: list[tuple[Message, tuple[MessageId, ...]]] = field(default_factory=list)
+    cells: int = 0
+    cost_ns: int = 0
+
+    def work(self, kind: str, cells: int) -> None:
+        """Report work: table entries touched, of a kind that the compute profile prices."""
+        self.cells += cells
+        self.cost_ns += self.costs.cost_ns(kind, cells)
+
+    def say(self, message: Message, *parents: MessageId) -> None:
+        """Say a message at the end of this turn; ``parents`` beside the one being handled."""
+        self.said.append((message, parents))
+
+    def left_ns(self, until_ns: int) -> int:
+        """Time left for computing until a deadline, counted from the work done so far."""
+        return until_ns - self.start_ns - self.cost_ns
+
+
+Handler: TypeAlias = Callable[[Any, Turn], None]
+
+
+class Module(Protocol):
+    """What a process must offer: a handler for each topic that it listens to."""
+
+    @property
+    def handlers(self) -> Mapping[str, Handler]:
+        """Handlers by topic."""
+
+
+class Worker:
+    """Carries out grants for one module."""
+
+    def __init__(self, name: str, module: Module, costs: CostModel) -> None:
+        self.name = name
+        self._handlers = module.handlers
+        self._costs = costs
+        self._voice = Voice(name)
+
+    def run(self, grant: Grant, heard: tuple[Sent, ...]) -> tuple[Done, list[Sent]]:
+        """Handle what was granted, one after the other, each beginning when the last ended."""
+        at_ns = grant.time_ns
+        handled: list[Handled] = []
+        out: list[Sent] = []
+        for sent in heard:
+            turn = Turn(at_ns, self._costs)
+            self._handlers[sent.topic](sent.message, turn)
+            end_ns = at_ns + turn.cost_ns
+            handled.append(
+                Handled(sent.topic, sent.source, sent.sequence, at_ns, end_ns, turn.cells)
+            )
+            for message, parents in turn.said:
+                out.append(self._voice.sent(message, end_ns, (sent.id, *parents)))
+            at_ns = end_ns
+        said = tuple(Said(s.topic, s.source, s.sequence, s.said_ns) for s in out)
+        return Done(grant.process, grant.time_ns, tuple(handled), said), out

@@ -1,0 +1,224 @@
+"""Reading a run's log in one sequential pass, whole or cut off.
+
+The reader that MCAP recommends needs the index at the end of the file, which a run that was
+killed never wrote; reading from the start yields all that was finished.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+import zstandard
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.message import DecodeError
+from mcap.exceptions import EndOfFile, InvalidMagic, McapError
+from mcap.records import Attachment, Channel, Header, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import MAGIC_SIZE, StreamReader
+
+from bus.topics import TOPICS
+from bus.wire import Sent
+from logs.run_log import METADATA
+from logs.schema import SchemaError, decode, schema, schema_name
+
+_DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, MemoryError)
+"""What reading raises where the file is cut or its bytes are not what was written.
+
+MemoryError is what zstandard says of a frame that claims to be larger than the memory.
+"""
+
+
+class LogReadError(ValueError):
+    """A file that is not the log of a run: which one, what was found, what was expected."""
+
+
+def read_run(path: str | Path, topics: Collection[str] | None = None) -> RunReader:
+    """Open a log. Raises LogReadError if it is not the log of a run.
+
+    ``topics``: decode and yield these only (None: all). The others are counted all the same.
+    """
+    unknown = [topic for topic in topics or () if topic not in TOPICS]
+    if unknown:
+        raise LogReadError(f"no topic {unknown[0]!r}; the topics are {', '.join(TOPICS)}")
+    return RunReader(Path(path), None if topics is None else frozenset(topics))
+
+
+class RunReader:
+    """An iterator over a log's messages in the order in which they were written.
+
+    ``metadata`` and ``attachments`` are there at once. When the iteration is over, ``truncated``
+    says whether the file ended before its end, ``problem`` how; ``counts`` how many messages of
+    each topic were read, and ``missing`` how many of each source are not there though later
+    ones are. Raises LogReadError, while iterating, if a topic was recorded with other fields.
+    """
+
+    def __init__(self, path: Path, topics: frozenset[str] | None) -> None:
+        self.path = path
+        self.metadata: dict[str, str] = {}
+        self.attachments: dict[str, bytes] = {}
+        self.truncated = False
+        self.problem = ""
+        self.counts: dict[str, int] = dict.fromkeys(TOPICS, 0)
+        self._topics = topics
+        self._named: dict[int, Schema] = {}
+        self._topic_of: dict[int, str] = {}
+        self._highest: dict[str, int] = {}
+        self._last_stamp_ns = -1
+        self._epoch_ns = 0
+        self._file = self._open()
+        try:
+            self._records = self._past_head()
+        except LogReadError:
+            self._file.close()
+            raise
+
+    @property
+    def read(self) -> int:
+        """How many messages were read, decoded or not."""
+        return sum(self.counts.values())
+
+    @property
+    def last_said_ns(self) -> int:
+        """When the last of the messages read so far was said; 0 if there are none."""
+        return max(0, self._last_stamp_ns - self._epoch_ns)
+
+    @property
+    def missing(self) -> dict[str, int]:
+        """How many messages of each source are missing before its last one; whole: empty."""
+        found = dict.fromkeys(self._highest, 0)
+        for topic, count in self.counts.items():
+            if count:
+                found[TOPICS[topic].publisher] += count
+        gaps = {source: last + 1 - found[source] for source, last in self._highest.items()}
+        return {source: gap for source, gap in gaps.items() if gap > 0}
+
+    def __iter__(self) -> Iterator[Sent]:
+        try:
+            for record in self._records:
+                sent = self._take(record)
+                if sent is not None:
+                    yield sent
+        except LogReadError:
+            raise
+        except _DAMAGE as error:
+            self._stop(error)
+        finally:
+            self._file.close()
+
+    def close(self) -> None:
+        """Close the file before its end."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _open(self) -> IO[bytes]:
+        try:
+            return self.path.open("rb")
+        except OSError as error:
+            raise LogReadError(
+                f"{self.path}: cannot be read: {error.strerror}; expected the log of a run"
+            ) from error
+
+    def _past_head(self) -> Iterator[McapRecord]:
+        """Read up to the end of metadata and attachments; what is left to read."""
+        size = self.path.stat().st_size
+        stream = StreamReader(self._file, validate_crcs=True, record_size_limit=size)
+        records = stream.records
+        try:
+            for record in records:
+                if isinstance(record, Metadata) and record.name == METADATA:
+                    self.metadata = dict(record.metadata)
+                    self._epoch_ns = int(self.metadata.get("epoch_ns", ""))
+                    return self._past_attachments(records)
+                if not isinstance(record, (Header, Metadata)):
+                    break
+        except _DAMAGE as error:
+            raise self._not_a_log(error, size) from error
+        raise LogReadError(
+            f"{self.path}: found an MCAP file of something else, "
+            f"expected one that begins with metadata {METADATA!r}"
+        )
+
+    def _past_attachments(self, records: Iterator[McapRecord]) -> Iterator[McapRecord]:
+        try:
+            for record in records:
+                if not isinstance(record, Attachment):
+                    return _with_first(record, records)
+                self.attachments[record.name] = record.data
+        except _DAMAGE as error:
+            self._stop(error)
+        return iter(())
+
+    def _not_a_log(self, error: Exception, size: int) -> LogReadError:
+        if size == 0:
+            found = "an empty file"
+        elif isinstance(error, InvalidMagic) or size < MAGIC_SIZE:
+            found = "a file that is not MCAP"
+        else:
+            found = f"an MCAP file that ends or is damaged before its metadata ({size} bytes)"
+        return LogReadError(f"{self.path}: found {found}, expected the log of a run")
+
+    def _stop(self, error: Exception) -> None:
+        self.truncated = True
+        if isinstance(error, (EndOfFile, struct.error)):
+            how = "it ends without a footer"
+        else:
+            how = f"a record is cut or damaged ({type(error).__name__}: {error})"
+        self.problem = f"{how}; {self.read} messages could be read"
+
+    def _take(self, record: McapRecord) -> Sent | None:
+        if isinstance(record, Message):
+            return self._message(record)
+        if isinstance(record, Schema):
+            self._named[record.id] = record
+        elif isinstance(record, Channel) and record.topic in TOPICS:
+            self._check(record.topic, self._named.get(record.schema_id))
+            self._topic_of[record.id] = record.topic
+        return None
+
+    def _message(self, record: Message) -> Sent | None:
+        topic = self._topic_of.get(record.channel_id)
+        if topic is None:  # a view for a viewer, not something that was said
+            return None
+        self.counts[topic] += 1
+        source = TOPICS[topic].publisher
+        self._last_stamp_ns = max(self._last_stamp_ns, record.log_time)
+        self._highest[source] = max(self._highest.get(source, -1), record.sequence)
+        if self._topics is not None and topic not in self._topics:
+            return None
+        try:
+            return decode(topic, record.data)
+        except SchemaError as error:
+            raise LogReadError(f"{self.path}: {error}") from error
+
+    def _check(self, topic: str, found: Schema | None) -> None:
+        if found is not None and _same(found.data, schema(topic)):
+            return
+        raise LogReadError(
+            f"{self.path}: found {topic} recorded as another {found.name if found else 'nothing'}, "
+            f"expected {schema_name(topic)} with the fields that this version of the program knows"
+        )
+
+
+def _with_first(first: McapRecord, rest: Iterator[McapRecord]) -> Iterator[McapRecord]:
+    yield first
+    yield from rest
+
+
+def _same(data: bytes, expected: FileDescriptorSet) -> bool:
+    try:
+        return bool(FileDescriptorSet.FromString(data) == expected)
+    except DecodeError:
+        return False

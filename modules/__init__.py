@@ -1,0 +1,1 @@
+"""One package a process: sensor, detectors, classifier, geographer, decider, reactor."""

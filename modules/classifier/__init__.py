@@ -1,0 +1,1 @@
+"""What kind of junction this is, and which feature to test next."""

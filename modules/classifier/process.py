@@ -1,0 +1,129 @@
+"""The classifier's messages: priors and readings in, choices and likelihoods out.
+
+The belief about the junction is the geographer's prior times this visit's likelihood; the
+likelihood alone goes back, so nothing is counted twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bus.facts import Facts
+from bus.messages import (
+    Arrival,
+    AskedSensing,
+    Departure,
+    JunctionLikelihood,
+    JunctionPrior,
+    SensingDecision,
+)
+from bus.messages import Reading as Read
+from bus.turns import Handler, Turn
+from modules.classifier.choose import STOP, ChoiceSettings, cells_before, choose
+from modules.classifier.geometry import WEDGES
+from modules.classifier.likelihood import Reading, junction_likelihood
+from modules.classifier.sensor_model import SensorModel, load_sensor_model
+from modules.classifier.settings import Settings
+
+
+class Classifier:
+    """Keeps the readings of the present visit and what it has decided for each outcome."""
+
+    def __init__(self, model: SensorModel, settings: Settings) -> None:
+        self._model = model
+        self._settings = ChoiceSettings(settings.worth_nats_per_s)
+        self._visit = -1
+        self._heading = 0
+        self._arrived = False
+        self._prior: JunctionPrior | None = None
+        self._readings: tuple[Reading, ...] = ()
+        self._asked: AskedSensing | None = None
+        self._branch: tuple[int, ...] = ()  # the next detector for each outcome
+        self._running: int | None = None
+        self.handlers: Mapping[str, Handler] = {
+            "percept/departure": self._departed,
+            "percept/arrival": self._came,
+            "prior/junction": self._expect,
+            "asked/sensing": self._ask,
+            "reading/feature": self._read,
+        }
+
+    def _departed(self, said: Departure, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._visit, self._heading = said.visit, said.heading
+        self._arrived = False
+        self._readings, self._branch, self._running = (), (), None
+
+    def _came(self, _said: Arrival, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._arrived = True
+        self._finish_if_nothing_to_read(turn)
+
+    def _expect(self, said: JunctionPrior, turn: Turn) -> None:
+        turn.work("note", len(said.prior))
+        self._prior = said
+        self._decide(turn)
+
+    def _ask(self, said: AskedSensing, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._asked = said
+        self._decide(turn)
+
+    def _decide(self, turn: Turn) -> None:
+        """Choose for every outcome, once the question and the prior are both there."""
+        asked, prior = self._asked, self._prior
+        if asked is None or prior is None or prior.visit != asked.visit:
+            return
+        self._asked = None
+        turn.work("sensing", cells_before(len(self._readings), self._running is not None))
+        choice = choose(
+            prior.prior,
+            self._readings,
+            self._running,
+            self._heading,
+            self._model,
+            self._settings,
+        )
+        self._branch = tuple(choice.next_detector.tolist())
+        best_nats = float(choice.information_nats.max())
+        turn.say(
+            SensingDecision(
+                asked.decision,
+                asked.visit,
+                asked.action,
+                choice.next_detector,
+                choice.concluded_type,
+                best_nats,
+            )
+        )
+        self._begin_first(turn)
+
+    def _begin_first(self, turn: Turn) -> None:
+        """Before the first reading of a visit there is one outcome only."""
+        if len(self._branch) == 1:
+            self._running = None if self._branch[0] == STOP else self._branch[0]
+            self._finish_if_nothing_to_read(turn)
+
+    def _finish_if_nothing_to_read(self, turn: Turn) -> None:
+        if self._arrived and self._branch == (STOP,) and not self._readings:
+            self._branch = ()
+            self._say_likelihood(turn, finished=True)
+
+    def _read(self, said: Read, turn: Turn) -> None:
+        reading = Reading(said.feature * WEDGES + said.wedge, said.evidence)
+        self._readings = (*self._readings, reading)
+        # The question about this action came when it began, so its answer is known by now.
+        following = self._branch[said.evidence]
+        self._running = following if following != STOP else None
+        self._say_likelihood(turn, finished=following == STOP)
+        self._branch = ()
+
+    def _say_likelihood(self, turn: Turn, *, finished: bool) -> None:
+        turn.work("reading", 16 * (1 + len(self._readings)))
+        likelihood = junction_likelihood(self._readings, self._heading, self._model)
+        turn.say(JunctionLikelihood(self._visit, likelihood, len(self._readings), finished))
+
+
+def build(_facts: Facts, settings: Settings, _seed: int) -> Classifier:
+    """The classifier of one run. Raises SensorModelError if the shipped model is not whole."""
+    return Classifier(load_sensor_model(), settings)

@@ -1,0 +1,185 @@
+"""What the detectors' readings are worth: Pr(S|X), determined experimentally (paper, section 3).
+
+The model file holds counts from simulated trials, so that anyone can see on how much
+evidence each probability rests; probabilities are made from them on loading.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bus.grid import DIRECTIONS, JUNCTION_TYPES
+from modules.classifier.geometry import DETECTORS, FEATURES, WEDGES, enterable, presence_table
+
+VERSION = 1
+EVIDENCE_CLASSES = 4
+"""0 = surely absent, 1 = rather absent, 2 = rather present, 3 = surely present."""
+
+SHAPE = (len(FEATURES), WEDGES, 2, EVIDENCE_CLASSES)
+SHIPPED = Path(__file__).with_name("sensor_model.json")
+
+
+class SensorModelError(ValueError):
+    """A sensor model that is missing, of another version or of another ring, or malformed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SensorModel:
+    """Counts of evidence classes by the truth of X, and how long each detector takes.
+
+    ``counts`` is (features, wedges, X, classes), ``durations_s`` is (features, wedges).
+    Raises SensorModelError for other shapes, negative counts or durations that are not positive.
+    """
+
+    counts: NDArray[np.int64]
+    durations_s: NDArray[np.float64]
+    ring: Mapping[str, float]
+    made_by: str
+
+    def __post_init__(self) -> None:
+        if self.counts.shape != SHAPE or self.durations_s.shape != SHAPE[:2]:
+            raise SensorModelError(
+                f"a sensor model needs counts {SHAPE} (feature, wedge, X, class) and durations "
+                f"{SHAPE[:2]}, found {self.counts.shape} and {self.durations_s.shape}"
+            )
+        if (self.counts < 0).any():
+            raise SensorModelError(f"counts cannot be negative, found {self.counts.min()}")
+        if not (self.durations_s > 0).all():
+            raise SensorModelError(f"durations must be positive, found {self.durations_s.min()} s")
+
+    @cached_property
+    def probability(self) -> NDArray[np.float64]:
+        """Pr(S=class|X) by Laplace smoothing of 0.5: (features, wedges, X, classes).
+
+        Uniform where X never had that value: the geometry then gives that row no weight.
+        """
+        smooth = self.counts + 0.5
+        table: NDArray[np.float64] = smooth / smooth.sum(axis=-1, keepdims=True)
+        return table
+
+    @cached_property
+    def duration_by_detector_s(self) -> NDArray[np.float64]:
+        """Seconds a detector takes, by its code ``feature * wedges + wedge``: (24,)."""
+        return self.durations_s.reshape(DETECTORS)
+
+    @cached_property
+    def class_given_type(self) -> NDArray[np.float64]:
+        """P(S=class|J), X summed out: (headings N E S W, detectors, types, classes).
+
+        Rows of types that a heading cannot enter are zero.
+        """
+        present = presence_table().reshape(len(DIRECTIONS), JUNCTION_TYPES, DETECTORS)
+        truth = present.transpose(0, 2, 1).astype(np.int64)
+        by_detector = self.probability.reshape(DETECTORS, 2, EVIDENCE_CLASSES)
+        table: NDArray[np.float64] = by_detector[np.arange(DETECTORS)[None, :, None], truth]
+        entered = np.array([enterable(heading) for heading in DIRECTIONS])
+        return np.where(entered[:, None, :, None], table, 0.0)
+
+    @cached_property
+    def class_entropy_given_type(self) -> NDArray[np.float64]:
+        """Entropy of S given J in nats: (headings, detectors, types)."""
+        return entropy_nats(self.class_given_type)
+
+    def as_json(self) -> str:
+        """The model as the text of its file."""
+        whole = {
+            "version": VERSION,
+            "made_by": self.made_by,
+            "ring": dict(self.ring),
+            "features": list(FEATURES),
+            "duration_s": _by_detector(self.durations_s),
+            "counts": _by_detector(self.counts),
+        }
+        lines = [f'  "{key}": {_text(value)}' for key, value in whole.items()]
+        return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def entropy_nats(distribution: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Entropy of distributions along the last axis, in nats; zero for a row of zeros."""
+    safe = np.where(distribution > 0.0, distribution, 1.0)
+    entropy: NDArray[np.float64] = -(distribution * np.log(safe)).sum(axis=-1)
+    return entropy
+
+
+def load_sensor_model(
+    path: Path = SHIPPED, expected_ring: Mapping[str, float] | None = None
+) -> SensorModel:
+    """Read a model file; with ``expected_ring``, refuse one made with another sonar ring.
+
+    Raises SensorModelError, which names the file and what was found and expected.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise SensorModelError(
+            f"{path}: no sensor model there; make one with `waywiser calibrate detectors`"
+        ) from error
+    except ValueError as error:
+        raise SensorModelError(f"{path}: not JSON: {error}") from error
+    try:
+        return _checked(content, expected_ring)
+    except SensorModelError as error:
+        raise SensorModelError(f"{path}: {error}") from error
+
+
+def _checked(content: Any, expected_ring: Mapping[str, float] | None) -> SensorModel:
+    if not isinstance(content, dict) or content.get("version") != VERSION:
+        found = content.get("version") if isinstance(content, dict) else type(content).__name__
+        raise SensorModelError(f"expected version {VERSION}, found {found!r}")
+    if content.get("features") != list(FEATURES):
+        raise SensorModelError(
+            f"expected features {list(FEATURES)}, found {content.get('features')!r}"
+        )
+    try:
+        counts = [content["counts"][feature] for feature in FEATURES]
+        durations = [content["duration_s"][feature] for feature in FEATURES]
+        model = SensorModel(
+            counts=np.array(counts, dtype=np.int64),
+            durations_s=np.array(durations, dtype=np.float64),
+            ring={str(key): float(value) for key, value in content["ring"].items()},
+            made_by=str(content["made_by"]),
+        )
+    except SensorModelError:
+        raise
+    except KeyError as error:
+        raise SensorModelError(f"the key {error} is missing") from error
+    except (AttributeError, TypeError, ValueError) as error:
+        raise SensorModelError(f"malformed numbers: {error}") from error
+    _check_ring(model.ring, expected_ring)
+    return model
+
+
+def _check_ring(found: Mapping[str, float], expected: Mapping[str, float] | None) -> None:
+    if expected is None:
+        return
+    for key in sorted({*found, *expected}):
+        if found.get(key) != expected.get(key):
+            raise SensorModelError(
+                f"made with another ring: {key} is {found.get(key)}, expected {expected.get(key)}"
+            )
+
+
+def _by_detector(values: NDArray[Any]) -> dict[str, Any]:
+    return {name: values[f].tolist() for f, name in enumerate(FEATURES)}
+
+
+def _text(value: Any) -> str:
+    """JSON with one line a wedge or list of numbers: a new calibration is easy to compare."""
+    if not (isinstance(value, dict) and all(isinstance(v, list) for v in value.values())):
+        return json.dumps(value)
+    features = [f"    {json.dumps(name)}: {_wedges(rows)}" for name, rows in value.items()]
+    return "{\n" + ",\n".join(features) + "\n  }"
+
+
+def _wedges(rows: list[Any]) -> str:
+    if not all(isinstance(row, list) for row in rows):
+        return json.dumps(rows)
+    return "[\n" + ",\n".join(f"      {json.dumps(row)}" for row in rows) + "\n    ]"

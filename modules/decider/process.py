@@ -1,0 +1,99 @@
+"""The decider's messages: the question and the belief about the map in, the path out.
+
+A fixed-time procedure (paper, section 5): when question and belief are both there, it reckons
+how many hypotheses fit into the time left, and solves exactly that problem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bus.facts import Facts
+from bus.grid import OPPOSITE
+from bus.messages import AskedPath, MapBelief, PathDecision
+from bus.turns import Handler, Turn
+from modules.decider.decision import decide
+from modules.decider.effort import LADDER, largest_that_fits
+from modules.decider.settings import Settings
+from modules.decider.situation import Situation
+
+POSSIBLE = 1e-9
+"""Junction types less probable than this are not counted in the size of the problem."""
+
+
+class Decider:
+    """Waits for the question and the belief of the same visit, then decides."""
+
+    def __init__(self, facts: Facts, settings: Settings) -> None:
+        self._grid = facts.grid
+        self._settings = settings
+        self._asked: AskedPath | None = None
+        self._belief: MapBelief | None = None
+        self.handlers: Mapping[str, Handler] = {
+            "asked/path": self._ask,
+            "belief/map": self._believe,
+        }
+
+    def _ask(self, said: AskedPath, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._asked = said
+        self._decide(turn)
+
+    def _believe(self, said: MapBelief, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._belief = said
+        self._decide(turn)
+
+    def _decide(self, turn: Turn) -> None:
+        asked, belief = self._asked, self._belief
+        if asked is None or belief is None or asked.visit != belief.visit:
+            return
+        self._asked = None
+        situation = self._situation(asked, belief)
+        found = decide(situation, self._size(asked, belief, turn))
+        turn.work("path", found.cells)
+        turn.say(
+            PathDecision(
+                asked.decision,
+                asked.visit,
+                found.direction,
+                found.known_s,
+                found.unknown_s,
+                found.explores.astype(np.uint8),
+                found.hypotheses,
+            )
+        )
+
+    def _situation(self, asked: AskedPath, belief: MapBelief) -> Situation:
+        expected = asked.expected if self._settings.explores else np.zeros_like(asked.expected)
+        return Situation(
+            grid=self._grid,
+            place=self._grid.intersection(belief.x, belief.y),
+            came_from=OPPOSITE[belief.heading],
+            waypoints=tuple(asked.waypoints.tolist()),
+            tasks=asked.tasks,
+            expected=expected,
+            maps=belief.maps,
+            weights=belief.weights,
+            log_probability=belief.log_probability,
+            corridor_probability=belief.corridors,
+            corridor_s=belief.corridor_s,
+            sensing_s=self._settings.sensing_s,
+        )
+
+    def _size(self, asked: AskedPath, belief: MapBelief, turn: Turn) -> int:
+        """Hypotheses per junction type: as many as fit into the time left, or as many as set."""
+        if self._settings.hypotheses != "as many as fit":
+            return self._settings.hypotheses
+        types = int((belief.junctions[belief.y, belief.x] > POSSIBLE).sum())
+        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns))
+        legs = len(asked.waypoints)
+        # Where nothing fits it will be late whatever it does: the smallest is late by least.
+        return largest_that_fits(self._grid, len(asked.tasks), types, cells, legs) or LADDER[0]
+
+
+def build(facts: Facts, settings: Settings, _seed: int) -> Decider:
+    """The decider of one run."""
+    return Decider(facts, settings)

@@ -1,0 +1,75 @@
+"""The reactor's messages: ranges in, attention and reactions out.
+
+Nobody tells it that something comes: it must notice by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bus.facts import Facts
+from bus.messages import Attention, Departure, Ranges, ReactionDecision
+from bus.turns import Handler, Turn
+from modules.reactor.meeting import Body
+from modules.reactor.react import Reaction, react
+from modules.reactor.settings import Settings
+from modules.reactor.tables import Settings as Reacting
+from modules.reactor.track import Scan, Tracker, updated
+
+
+class Reactor:
+    """Keeps what it believes to be ahead, and what it last told the body to do."""
+
+    def __init__(self, facts: Facts, settings: Settings) -> None:
+        self._attention_s = settings.attention_s
+        self._reacting = Reacting(body=Body(speed_m_s=facts.speed_m_s))
+        self._tracker = Tracker()
+        self._act = "continue"
+        self._attentive = False
+        self._lateral_m = 0.0
+        self.handlers: Mapping[str, Handler] = {
+            "percept/departure": self._departed,
+            "belief/ranges": self._heard,
+        }
+
+    def _departed(self, _said: Departure, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._tracker = Tracker()
+        self._act, self._lateral_m = "continue", 0.0
+        self._attend(turn, False)
+
+    def _heard(self, said: Ranges, turn: Turn) -> None:
+        if said.action != 0:
+            turn.work("note", 1)
+            return
+        time_s = turn.start_ns / 1e9
+        self._lateral_m = self._moved_aside_m(time_s)
+        scan = Scan(time_s, said.mean_m, said.sigma_m, said.speed_m_s, self._lateral_m)
+        self._tracker = updated(self._tracker, scan)
+        turn.work("track", self._tracker.cells)
+        self._attend(turn, self._tracker.wants_attention or self._act != "continue")
+        reaction = react(self._tracker, self._reacting)
+        if reaction is not None and reaction.act != self._act:
+            self._say(reaction, turn)
+
+    def _moved_aside_m(self, time_s: float) -> float:
+        """How far left of the centre line the last act has brought the robot by now."""
+        before_s = self._tracker.time_s
+        if before_s is None:
+            return 0.0
+        return float(self._reacting.body.across_m(self._act, self._lateral_m, time_s - before_s))
+
+    def _attend(self, turn: Turn, attentive: bool) -> None:
+        if attentive != self._attentive:
+            self._attentive = attentive
+            turn.say(Attention(self._attention_s if attentive else 0.0))
+
+    def _say(self, reaction: Reaction, turn: Turn) -> None:
+        self._act = reaction.act
+        turn.work("reaction", reaction.cells)
+        turn.say(ReactionDecision(reaction.act, reaction.expected_utility, reaction.approaching))
+
+
+def build(facts: Facts, settings: Settings, _seed: int) -> Reactor:
+    """The reactor of one run."""
+    return Reactor(facts, settings)

@@ -1,0 +1,1 @@
+"""Raw sonar and odometry in, distributions over ranges and pose out."""

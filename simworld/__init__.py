@@ -1,0 +1,1 @@
+"""The world that tests the robot: building, body, sonar physics, people and errands."""

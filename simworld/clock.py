@@ -1,0 +1,129 @@
+"""Virtual time: the SimPy event queue is the only queue.
+
+The clock asks the coordinator who may run, has the grants carried out (here or over the bus,
+it does not care) and schedules what follows. Grants come after all the world's own events of
+an instant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import simpy
+
+from bus.coordinator import Coordinator, Done, Grant, Handled, Said
+from bus.journal import Journal
+from bus.messages import Span
+from bus.protocol import CommitEntry
+from bus.topics import CLOCK
+from bus.turns import Voice
+from bus.wire import MessageId
+
+CarryOut: TypeAlias = Callable[[list[Grant]], list[Done]]
+Commit: TypeAlias = Callable[[list[CommitEntry]], None]
+
+AFTER_ALL = simpy.events.EventPriority(2)
+"""SimPy's priority for grants: after URGENT (0) and NORMAL (1) events of the same instant."""
+
+
+class VirtualClock:
+    """Drives a coordinator from a SimPy environment whose time is whole nanoseconds.
+
+    ``carry_out`` runs grants and returns what came of them, in the order of the grants;
+    ``commit`` gets the log's entries in the one order that they have.
+    """
+
+    def __init__(
+        self,
+        env: simpy.Environment,
+        coordinator: Coordinator,
+        carry_out: CarryOut,
+        commit: Commit,
+    ) -> None:
+        self._env = env
+        self._coordinator = coordinator
+        self._carry_out = carry_out
+        self._commit = commit
+        self._journal: Journal[CommitEntry] = Journal()
+        self._voice = Voice(CLOCK)
+        self._armed_ns: int | None = None
+        self._decided_by: dict[MessageId, Handled] = {}
+        self.handlers_run = 0
+
+    @property
+    def now_ns(self) -> int:
+        """Simulated time."""
+        return int(self._env.now)
+
+    def said(self, said: Said) -> None:
+        """The world said something at this moment."""
+        self._note(said, (said.source, said.sequence))
+        self._coordinator.said(said)
+        self._arm()
+
+    def decided_by(self, decision: MessageId) -> Handled | None:
+        """The handler that said a decision; it is forgotten by asking."""
+        return self._decided_by.pop(decision, None)
+
+    def why_late(self, process: str) -> str:
+        """Why a process has not decided at this moment, its deadline."""
+        if not self._coordinator.alive(process):
+            return "process down"
+        return "overrun" if self._coordinator.computing(process, self.now_ns) else "late input"
+
+    def died(self, process: str) -> None:
+        """A process is gone."""
+        self._coordinator.died(process)
+
+    def finish(self) -> None:
+        """Write down all that was said."""
+        self._commit(self._journal.before(None))
+
+    def _note(self, said: Said, entry: CommitEntry) -> None:
+        self._journal.note(said, entry)
+
+    def _arm(self) -> None:
+        next_ns = self._coordinator.next_ns()
+        if next_ns is None or (self._armed_ns is not None and self._armed_ns <= next_ns):
+            return
+        self._armed_ns = next_ns
+        event = simpy.Event(self._env)
+        event._ok, event._value = True, next_ns  # succeeded, as simpy.Timeout does it
+        event.callbacks.append(self._dispatch)
+        self._env.schedule(event, priority=AFTER_ALL, delay=next_ns - self.now_ns)
+
+    def _dispatch(self, event: simpy.Event) -> None:
+        if event.value != self._armed_ns:
+            return  # an earlier time was armed after this one and has done its work
+        self._armed_ns = None
+        now_ns = self.now_ns
+        self._commit(self._journal.before(now_ns))
+        for done in self._carry_out(self._coordinator.grants(now_ns)):
+            if self._coordinator.alive(done.process):
+                self._coordinator.done(done)
+                self._remember(done)
+        self._arm()
+
+    def _remember(self, done: Done) -> None:
+        for said in done.said:
+            self._note(said, (said.source, said.sequence))
+        for handled in done.handled:
+            self.handlers_run += 1
+            self._span(done.process, handled)
+            for said in done.said:
+                if said.said_ns == handled.end_ns and said.topic.startswith("decision/"):
+                    self._decided_by[said.source, said.sequence] = handled
+
+    def _span(self, process: str, handled: Handled) -> None:
+        span = Span(
+            process,
+            handled.topic,
+            handled.source,
+            handled.sequence,
+            handled.start_ns,
+            handled.end_ns,
+            handled.cells,
+        )
+        sent = self._voice.sent(span, handled.end_ns, ((handled.source, handled.sequence),))
+        self._note(Said(sent.topic, sent.source, sent.sequence, sent.said_ns), sent)

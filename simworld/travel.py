@@ -1,0 +1,135 @@
+"""Driving along a corridor: pings, odometry, and whoever is met, until the far port."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import simpy
+
+from bus.messages import Odometry, Sonar
+from simworld.body import PING_NS, Body, Pose
+from simworld.drive import CorridorDrive
+from simworld.encounters import Encounters
+from simworld.people import Act
+from simworld.people import Body as CorridorBody
+from simworld.voice import Speaker
+
+Steps: TypeAlias = Generator[simpy.Event, Any, None]
+
+QUICKEST_PING_NS = PING_NS // 4
+"""The ring fires no more often than four transducers at once allow (assumption)."""
+
+
+class Senses:
+    """Fires the ring and reports odometry, from wherever the body is."""
+
+    def __init__(self, env: simpy.Environment, body: Body, speaker: Speaker) -> None:
+        self._env = env
+        self._body = body
+        self._say = speaker.say
+        self._pings = 0
+        self._reported_ns = 0
+
+    def odometry(self) -> None:
+        """Say what the wheels counted since the last time."""
+        now_ns = int(self._env.now)
+        distance_m, turn_rad = self._body.odometry()
+        self._say(Odometry(distance_m, turn_rad, (now_ns - self._reported_ns) / 1e9))
+        self._reported_ns = now_ns
+
+    def ping(self, action: int, people: tuple[tuple[float, float, float], ...] = ()) -> None:
+        """Fire the ring once and say what came back."""
+        self._pings += 1
+        self._say(Sonar(self._pings, action, self._body.ping(people)))
+
+
+@dataclass(frozen=True)
+class Way:
+    """One corridor to drive: its number in the map, from which pose, how far to the far port."""
+
+    corridor: int
+    begins: Pose
+    length_m: float
+
+
+class Travel:
+    """The robot's drives. ``period_ns`` is how often the ring fires while nothing is near."""
+
+    def __init__(
+        self,
+        env: simpy.Environment,
+        body: Body,
+        senses: Senses,
+        encounters: Encounters,
+        kinematics: CorridorBody,
+        period_ns: int,
+    ) -> None:
+        self._env = env
+        self._body = body
+        self._senses = senses
+        self._encounters = encounters
+        self._kinematics = kinematics
+        self._calm_ns = period_ns
+        self._period_ns = period_ns
+        self._drive: CorridorDrive | None = None
+        self._changed = env.event()
+
+    def react(self, act: Act) -> None:
+        """Do something about what is ahead, from now on."""
+        if self._drive is not None:
+            self._drive.act(act, int(self._env.now))
+            self._wake()
+
+    def attend(self, period_s: float) -> None:
+        """Fire the ring at another period while driving; 0 is the usual one."""
+        asked_ns = round(period_s * 1e9)
+        self._period_ns = max(QUICKEST_PING_NS, asked_ns) if asked_ns else self._calm_ns
+        self._wake()
+
+    def _wake(self) -> None:
+        if not self._changed.triggered:
+            self._changed.succeed()
+
+    def along(self, way: Way, visit: int) -> Steps:
+        """Drive a corridor from port to port."""
+        drive = CorridorDrive(int(self._env.now), way.length_m, self._kinematics)
+        self._drive = drive
+        pinged_ns = int(self._env.now)
+        while drive.robot.s_m < drive.length_m - 1e-9:
+            now_ns = int(self._env.now)
+            yield from self._pause(drive, now_ns, pinged_ns + self._period_ns)
+            now_ns = int(self._env.now)
+            self._move(drive, way, now_ns)
+            self._encounters.over(drive)
+            if now_ns >= pinged_ns + self._period_ns:
+                pinged_ns = now_ns
+                self._ping(drive, way, visit, now_ns)
+        drive.leave()
+        self._encounters.over(drive)
+        self._drive = None
+
+    def _pause(self, drive: CorridorDrive, now_ns: int, ping_ns: int) -> Steps:
+        """Until the next ping, the arrival, or a change of mind."""
+        arrives_ns = drive.arrives_ns()
+        until_ns = ping_ns if arrives_ns is None else min(ping_ns, arrives_ns)
+        self._changed = self._env.event()
+        yield self._env.timeout(max(0, until_ns - now_ns)) | self._changed
+
+    def _move(self, drive: CorridorDrive, way: Way, now_ns: int) -> None:
+        before_m = drive.robot.s_m
+        drive.advance_to(now_ns)
+        here = way.begins.ahead(drive.robot.s_m, drive.robot.y_m)
+        self._body.place(here, abs(drive.robot.s_m - before_m), 0.0)
+
+    def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
+        self._encounters.step_in(drive, way.corridor, now_ns)
+        self._encounters.seen(drive, visit, now_ns)
+        self._senses.odometry()
+        walker, person = drive.walker, drive.person
+        if walker is None or person is None:
+            self._senses.ping(0)
+            return
+        at = way.begins.ahead(walker.s_m, walker.y_m)
+        self._senses.ping(0, ((at.x_m, at.y_m, person.radius_m),))

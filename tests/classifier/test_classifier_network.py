@@ -1,0 +1,74 @@
+"""The compiled tables say what the declared network J -> X -> S says, by two libraries."""
+
+from typing import Any
+
+import numpy as np
+import pyagrum
+import pytest
+from pgmpy.inference import VariableElimination
+from pgmpy.models import DiscreteBayesianNetwork
+
+from bus.grid import DIRECTIONS
+from modules.classifier.geometry import DETECTORS, enterable
+from modules.classifier.likelihood import Reading, junction_likelihood
+from modules.classifier.network import CAME_BY, JUNCTION, declare_network, reading_name
+from modules.classifier.sensor_model import SHAPE, SensorModel
+
+EXACT = 1e-9
+agrum: Any = pyagrum  # its functions are not typed
+
+
+def _case(seed: int) -> tuple[SensorModel, np.ndarray[Any, Any], int, list[Reading]]:
+    rng = np.random.default_rng(seed)
+    model = SensorModel(rng.integers(0, 300, SHAPE), np.full(SHAPE[:2], 40.0), {}, "a test")
+    prior = rng.dirichlet(np.ones(16))
+    detectors = rng.permutation(DETECTORS)[: 3 + 4 * seed]
+    readings = [Reading(int(d), int(rng.integers(4))) for d in detectors]
+    return model, prior, int(rng.choice(DIRECTIONS)), readings
+
+
+def _evidence(readings: list[Reading]) -> dict[str, int]:
+    return {CAME_BY: 1} | {reading_name(r.detector): r.evidence for r in readings}
+
+
+def _agrum(network: DiscreteBayesianNetwork) -> Any:
+    """The same network in the other library, table by table."""
+    net = agrum.BayesNet()
+    for cpd in network.get_cpds():
+        net.add(agrum.LabelizedVariable(cpd.variable, "", cpd.variable_card))
+    for cpd in network.get_cpds():
+        for parent in cpd.variables[1:]:
+            net.addArc(parent, cpd.variable)
+        net.cpt(cpd.variable)[:] = np.ascontiguousarray(cpd.values.T)
+    return net
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_posterior_equals_both_libraries(seed: int) -> None:
+    model, prior, heading, readings = _case(seed)
+    joint = prior * junction_likelihood(readings, heading, model)
+    network = declare_network(prior, heading, model)
+
+    found = VariableElimination(network).query(
+        [JUNCTION], evidence=_evidence(readings), show_progress=False
+    )
+    assert np.abs(found.values - joint / joint.sum()).max() < EXACT
+
+    inference = agrum.LazyPropagation(_agrum(network))
+    inference.setEvidence(_evidence(readings))
+    inference.makeInference()
+    assert np.abs(inference.posterior(JUNCTION).toarray() - joint / joint.sum()).max() < EXACT
+    assert inference.evidenceProbability() == pytest.approx(joint.sum(), rel=EXACT)
+
+
+def test_likelihood_of_each_type_is_a_probability_not_a_scaled_one() -> None:
+    model, _, heading, readings = _case(1)
+    uniform = np.full(16, 1 / 16)
+    net = _agrum(declare_network(uniform, heading, model))
+    found = junction_likelihood(readings, heading, model)
+    for j in np.flatnonzero(enterable(heading)).tolist():
+        inference = agrum.LazyPropagation(net)
+        inference.setEvidence(_evidence(readings) | {JUNCTION: j})
+        inference.makeInference()
+        # P(readings, J=j) = P(readings|J=j) / 16
+        assert 16 * inference.evidenceProbability() == pytest.approx(found[j], rel=EXACT)

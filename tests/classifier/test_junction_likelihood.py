@@ -1,0 +1,88 @@
+"""lambda(J): by hand, as a probability, and against two libraries."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH
+from modules.classifier.geometry import (
+    DETECTORS,
+    FLAT_WALL,
+    OPENING,
+    HeadingError,
+    enterable,
+    features_present,
+)
+from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood
+from modules.classifier.sensor_model import SHAPE, SensorModel
+
+COUNTS = np.random.default_rng(7).integers(0, 300, SHAPE)
+MODEL = SensorModel(COUNTS, np.full(SHAPE[:2], 40.0), {}, "a test")
+
+visits = st.lists(
+    st.builds(Reading, st.integers(0, DETECTORS - 1), st.integers(0, 3)),
+    max_size=DETECTORS,
+    unique_by=lambda reading: reading.detector,
+)
+headings = st.sampled_from(DIRECTIONS)
+
+
+def test_before_the_first_reading_only_the_corridor_behind_counts() -> None:
+    for heading in DIRECTIONS:
+        expected = enterable(heading).astype(float)
+        assert np.array_equal(junction_likelihood([], heading, MODEL), expected)
+
+
+def test_by_hand() -> None:
+    counts = np.zeros(SHAPE, dtype=np.int64)
+    counts[OPENING, 0] = [(7, 0, 0, 1), (0, 1, 2, 5)]  # Pr(S=3|absent) 1.5/10, |present) 5.5/10
+    counts[FLAT_WALL, 7] = [(3, 3, 1, 1), (0, 0, 0, 8)]  # Pr(S=1|absent) 3.5/10, |present) 0.5/10
+    model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test")
+    readings = [Reading(OPENING * 8 + 0, 3), Reading(FLAT_WALL * 8 + 7, 1)]
+    found = junction_likelihood(readings, NORTH, model)
+    assert found[NORTH] == 0.0  # not entered northward
+    assert found[SOUTH] == pytest.approx(0.15 * 0.05, abs=1e-15)
+    assert found[SOUTH | NORTH] == pytest.approx(0.55 * 0.05, abs=1e-15)
+    assert found[SOUTH | EAST] == pytest.approx(0.15 * 0.35, abs=1e-15)
+    assert found[15] == pytest.approx(0.55 * 0.35, abs=1e-15)
+
+
+@given(visits, headings)
+@settings(max_examples=60, deadline=None)
+def test_equals_the_sum_over_x_of_each_reading(readings: list[Reading], heading: int) -> None:
+    found = junction_likelihood(readings, heading, MODEL)
+    for j in range(16):
+        expected = float(enterable(heading)[j])
+        present = features_present(j, heading)
+        for r in readings:
+            expected *= sum(
+                MODEL.probability[r.feature, r.wedge, x, r.evidence]
+                * (present[r.feature, r.wedge] == bool(x))
+                for x in (0, 1)
+            )
+        assert found[j] == pytest.approx(expected, rel=1e-12, abs=0.0)
+
+
+@given(visits.filter(lambda readings: len(readings) < DETECTORS), headings)
+@settings(max_examples=30, deadline=None)
+def test_is_unscaled_the_outcomes_of_one_more_reading_sum_to_it(
+    readings: list[Reading], heading: int
+) -> None:
+    used = [reading.detector for reading in readings]
+    detector = next(d for d in range(DETECTORS) if d not in used)
+    one_more = [
+        junction_likelihood([*readings, Reading(detector, c)], heading, MODEL) for c in range(4)
+    ]
+    assert np.allclose(sum(one_more), junction_likelihood(readings, heading, MODEL), rtol=1e-12)
+
+
+def test_refuses_what_no_visit_can_give() -> None:
+    with pytest.raises(ReadingError, match=r"\[5\] read more often"):
+        junction_likelihood([Reading(5, 0), Reading(5, 1)], NORTH, MODEL)
+    with pytest.raises(ReadingError, match=r"0\.\.23, got 24"):
+        Reading(24, 0)
+    with pytest.raises(ReadingError, match=r"0\.\.3, got -1"):
+        Reading(0, -1)
+    with pytest.raises(HeadingError, match="got 0"):
+        junction_likelihood([], 0, MODEL)

@@ -1,0 +1,114 @@
+"""The sensor model: its numbers, its file, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modules.classifier.geometry import CONVEX_CORNER, FLAT_WALL, enterable, presence_table
+from modules.classifier.sensor_model import (
+    SHAPE,
+    SHIPPED,
+    SensorModel,
+    SensorModelError,
+    entropy_nats,
+    load_sensor_model,
+)
+
+
+def some_model(seed: int = 0) -> SensorModel:
+    rng = np.random.default_rng(seed)
+    return SensorModel(
+        counts=rng.integers(0, 200, SHAPE),
+        durations_s=rng.uniform(30.0, 60.0, SHAPE[:2]),
+        ring={"transducers": 24.0, "dropout": 0.02},
+        made_by="a test",
+    )
+
+
+def test_smoothing_by_hand() -> None:
+    counts = np.zeros(SHAPE, dtype=np.int64)
+    counts[1, 2, 1] = (0, 1, 2, 5)
+    model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test")
+    # (0 + 1 + 2 + 5) + 4 * 0.5 = 10, so 0.5/10, 1.5/10, 2.5/10, 5.5/10.
+    assert np.allclose(model.probability[1, 2, 1], (0.05, 0.15, 0.25, 0.55), atol=1e-15)
+    assert np.array_equal(model.probability[0, 0, 0], np.full(4, 0.25))
+
+
+def test_class_given_type_sums_x_out() -> None:
+    model = some_model()
+    for (n, j), present in np.ndenumerate(presence_table()[..., FLAT_WALL, 2]):
+        expected = model.probability[FLAT_WALL, 2, int(present)] * enterable(1 << n)[j]
+        assert np.array_equal(model.class_given_type[n, FLAT_WALL * 8 + 2, j], expected)
+
+
+def test_entropy_by_hand() -> None:
+    rows = np.array([[0.5, 0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    assert np.allclose(entropy_nats(rows), (np.log(2.0), 0.0, 0.0), atol=1e-15)
+
+
+def test_a_written_model_reads_back(tmp_path: Path) -> None:
+    model, path = some_model(), tmp_path / "model.json"
+    path.write_text(model.as_json())
+    read = load_sensor_model(path, expected_ring=model.ring)
+    assert np.array_equal(read.counts, model.counts)
+    assert np.array_equal(read.durations_s, model.durations_s)
+    assert (read.ring, read.made_by) == (model.ring, model.made_by)
+    assert read.as_json() == model.as_json()
+
+
+def test_the_shipped_model_separates_what_it_should() -> None:
+    model = load_sensor_model()
+    assert ((model.durations_s >= 30.0) & (model.durations_s <= 60.0)).all()
+    both = model.counts.sum(axis=-1).min(axis=-1) > 0
+    informative = np.zeros(both.shape, dtype=bool)
+    informative[:2, [0, 1, 7]] = True
+    informative[FLAT_WALL, [2, 6]] = True
+    informative[CONVEX_CORNER, [1, 2, 6, 7]] = True
+    assert np.array_equal(both, informative)
+    wrong = np.maximum(model.probability[..., 0, 2:].sum(-1), model.probability[..., 1, :2].sum(-1))
+    assert (wrong[informative] < 0.05).all()
+
+
+def _refused(path: Path, text: str, change: dict[str, object] | None = None) -> None:
+    content = json.loads(some_model().as_json())
+    path.write_text(json.dumps(content | (change or {})))
+    with pytest.raises(SensorModelError, match=text) as refusal:
+        load_sensor_model(path, expected_ring={"transducers": 24.0, "dropout": 0.02})
+    assert str(path) in str(refusal.value)
+
+
+def test_refuses_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(SensorModelError, match=r"none\.json: no sensor model there"):
+        load_sensor_model(tmp_path / "none.json")
+
+
+def test_refuses_what_is_not_a_model(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    _refused(path, "expected version 1, found 2", {"version": 2})
+    _refused(path, "dropout is 0.5, expected 0.02", {"ring": {"transducers": 24, "dropout": 0.5}})
+    _refused(path, "transducers is None", {"ring": {"dropout": 0.02}})
+    _refused(path, "expected features", {"features": ["opening"]})
+    _refused(path, "the key 'flat_wall' is missing", {"counts": {"opening": []}})
+    _refused(path, "malformed", {"duration_s": 3})
+    path.write_text("[")
+    with pytest.raises(SensorModelError, match="not JSON"):
+        load_sensor_model(path)
+    path.write_text("[]")
+    with pytest.raises(SensorModelError, match="found 'list'"):
+        load_sensor_model(path)
+
+
+def test_refuses_numbers_that_cannot_be() -> None:
+    model = some_model()
+    with pytest.raises(SensorModelError, match="negative, found -1"):
+        SensorModel(model.counts * 0 - 1, model.durations_s, {}, "a test")
+    with pytest.raises(SensorModelError, match=r"positive, found 0\.0 s"):
+        SensorModel(model.counts, model.durations_s * 0, {}, "a test")
+    with pytest.raises(SensorModelError, match=r"found \(2, 8, 2, 4\)"):
+        SensorModel(model.counts[:2], model.durations_s, {}, "a test")
+
+
+def test_the_shipped_file_is_what_the_model_writes() -> None:
+    assert load_sensor_model().as_json() == SHIPPED.read_text()

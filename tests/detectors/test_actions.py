@@ -1,0 +1,92 @@
+"""What each detector does: the way there and back, and that it takes 30 to 60 seconds."""
+
+import math
+
+import pytest
+
+from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
+from modules.detectors.views import (
+    CONVEX_CORNER,
+    FEATURES,
+    FLAT_WALL,
+    OPENING,
+    WEDGES,
+    DetectorError,
+    detector_code,
+    view_of,
+)
+from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, Pose
+
+DETECTORS = [(f, w) for f in range(len(FEATURES)) for w in range(WEDGES)]
+
+
+def test_the_plan_for_the_opening_on_the_left_by_hand() -> None:
+    degrees = math.radians
+    steps = plan(OPENING, 1, 2.0)
+    assert [step.kind for step in steps] == [
+        "drive", "turn", "ping", "turn", "ping", "turn", "ping", "turn", "ping", "turn", "drive",
+    ]  # fmt: skip
+    expected = [1.0, degrees(87), 3, degrees(2), 3, degrees(2), 3, degrees(2), 3, degrees(-93), -1]
+    assert [step.amount for step in steps] == pytest.approx(expected, abs=1e-12)
+
+
+def test_duration_by_hand() -> None:
+    # 1 m there and back: 2 / 0.085 = 23.529 s; turns 87 + 3 * 2 + 93 = 186 deg: 12.4 s;
+    # 12 pings: 11.52 s.
+    found = duration_s(plan(OPENING, 1, 2.0), CRAWL_M_S, TURN_RAD_S, PING_S)
+    assert found == pytest.approx(2 / 0.085 + 186 / 15 + 12 * 0.96, abs=1e-9)
+
+
+@pytest.mark.parametrize("width_m", [1.5, 1.8, 2.0, 2.2])
+def test_every_detector_takes_thirty_seconds_to_a_minute(width_m: float) -> None:
+    for f, w in DETECTORS:
+        taken_s = duration_s(plan(f, w, width_m), CRAWL_M_S, TURN_RAD_S, PING_S)
+        assert 29.9 <= taken_s <= 60.0, (f, w, taken_s)
+
+
+def _target_m(feature: int, wedge: int) -> tuple[float, float]:
+    """Places in metres for a width of 2 m, from the table of modules.classifier.geometry."""
+    if feature == CONVEX_CORNER and wedge in (1, 7):
+        return (2.0, 1.0) if wedge == 1 else (2.0, -1.0)
+    return (
+        (2.0, 0.0), (1.0, 1.0), (0.0, 1.0), (-1.0, 1.0),
+        (-1.0, 0.0), (-1.0, -1.0), (0.0, -1.0), (1.0, -1.0),
+    )[wedge]  # fmt: skip
+
+
+@pytest.mark.parametrize(("feature", "wedge"), DETECTORS)
+def test_a_plan_faces_its_target_and_ends_where_it_began(feature: int, wedge: int) -> None:
+    pose = Pose(0.0, 0.0, 0.0)
+    offsets_rad = []
+    for kind, amount in plan(feature, wedge, 2.0):
+        if kind != "ping":
+            pose = pose.after(kind, amount)
+            continue
+        x, y = _target_m(feature, wedge)
+        bearing = math.atan2(y - pose.y_m, x - pose.x_m)
+        off_rad = math.remainder(pose.heading_rad - bearing, 2 * math.pi)
+        offsets_rad += [off_rad] * int(amount)
+        facing_rad = view_of(feature, wedge).facing_rad
+        assert math.remainder(bearing - facing_rad, 2 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    assert offsets_rad == pytest.approx(ping_offsets_rad(), abs=1e-9)
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0, 0, 0), abs=1e-9)
+
+
+def test_left_and_right_are_mirror_images() -> None:
+    for f, w in DETECTORS:
+        left, right = view_of(f, w), view_of(f, -w % WEDGES)
+        assert left.vantage == right.vantage
+        assert math.cos(left.facing_rad) == pytest.approx(math.cos(right.facing_rad))
+        assert math.sin(left.facing_rad) == pytest.approx(-math.sin(right.facing_rad), abs=1e-12)
+
+
+def test_refuses_what_cannot_be_done() -> None:
+    assert detector_code(FLAT_WALL, 3) == 11
+    with pytest.raises(DetectorError, match="got feature 3, wedge 0"):
+        plan(3, 0, 2.0)
+    with pytest.raises(DetectorError, match="got feature 0, wedge -1"):
+        detector_code(0, -1)
+    with pytest.raises(DetectorError, match=r"got 0\.0 m"):
+        plan(0, 0, 0.0)
+    with pytest.raises(DetectorError, match=r"got 0\.1 m/s, 0 rad/s"):
+        duration_s([Step("drive", 1.0)], 0.1, 0, 1.0)

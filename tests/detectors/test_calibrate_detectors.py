@@ -1,0 +1,86 @@
+"""The calibration repeats, whoever shares the work, and the shipped model comes from it."""
+
+import re
+
+import numpy as np
+import pytest
+
+from modules.classifier.sensor_model import load_sensor_model
+from scenarios.calibrate_detectors import (
+    BYSTANDER_KEEPS_OFF_M,
+    BYSTANDER_RADIUS_M,
+    CalibrationError,
+    at_port,
+    bystander,
+    calibrate,
+    durations_s,
+    junction,
+    share_right,
+)
+from simworld.sonar import SonarRing
+
+
+def test_counts_depend_on_the_seed_not_on_the_workers() -> None:
+    done: list[int] = []
+    alone = calibrate(30, seed=5, progress=done.append)
+    shared = calibrate(30, seed=5, workers=2)
+    assert done == [25, 30]
+    assert np.array_equal(alone.counts, shared.counts)
+    assert alone.as_json() == shared.as_json()
+    assert not np.array_equal(alone.counts, calibrate(30, seed=6).counts)
+    assert (alone.counts.sum(axis=(2, 3)) == 30).all()
+
+
+def test_the_shipped_model_comes_from_its_command() -> None:
+    shipped = load_sensor_model()
+    command = r"waywiser calibrate detectors --trials (\d+) --seed (\d+)"
+    made = re.fullmatch(command, shipped.made_by)
+    assert made is not None
+    trials, seed = (int(number) for number in made.groups())
+    assert (shipped.counts.sum(axis=(2, 3)) == trials).all()
+    assert np.array_equal(shipped.durations_s, durations_s())
+    # A trial depends on the seed and its number alone: the first few are among the shipped.
+    first = calibrate(40, seed)
+    assert (first.counts <= shipped.counts).all()
+    assert first.ring == shipped.ring
+
+
+def test_other_trials_agree_with_the_shipped_model() -> None:
+    shipped, other = load_sensor_model(), calibrate(120, seed=99)
+    n = other.counts.sum(axis=-1, keepdims=True)
+    p = shipped.probability
+    # Five standard deviations of a binomial, and two trials for the rare classes.
+    allowed = 5 * np.sqrt(n * p * (1 - p)) + 2
+    assert (
+        np.abs(other.counts - n * p)[np.broadcast_to(n > 0, p.shape)]
+        <= np.broadcast_to(allowed, p.shape)[np.broadcast_to(n > 0, p.shape)]
+    ).all()
+
+
+def test_every_detector_is_right_in_most_trials() -> None:
+    right = share_right(load_sensor_model())
+    assert np.nanmin(right) > 0.98
+
+
+def test_a_worse_ring_gives_a_worse_model() -> None:
+    poor = calibrate(25, seed=1, ring=SonarRing(dropout=0.6, cross_talk=0.2))
+    good = calibrate(25, seed=1)
+    assert poor.ring["dropout"] == 0.6
+    assert np.nansum(1 - share_right(poor)) > 3 * np.nansum(1 - share_right(good))
+
+
+def test_bystanders_stand_clear() -> None:
+    building = junction(15, 2.0)
+    robot = at_port(building, 1, 0.0, 0.0)
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        ((x_m, y_m, radius_m),) = bystander(building, robot, rng)
+        assert building.clearance_m(x_m, y_m) >= radius_m == BYSTANDER_RADIUS_M
+        assert np.hypot(x_m - robot.x_m, y_m - robot.y_m) >= BYSTANDER_KEEPS_OFF_M
+
+
+def test_refuses_no_trials() -> None:
+    with pytest.raises(CalibrationError, match="got 0 and 1"):
+        calibrate(0, seed=1)
+    with pytest.raises(CalibrationError, match="got 5 and 0"):
+        calibrate(5, seed=1, workers=0)

@@ -1,0 +1,50 @@
+"""Echoes of a disc in a cone: by hand, and against the simulated ring."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from modules.reactor.cone import heard_in_cone
+from simworld.building import build
+from simworld.sonar import SonarRing, true_ranges_m
+
+HALF = math.radians(15.0)
+
+
+def one(ahead: float, left: float, axis_deg: float) -> tuple[float, bool]:
+    """Range and heard of a disc of radius 0.25."""
+    found = heard_in_cone(np.array(ahead), np.array(left), 0.25, math.radians(axis_deg), HALF)
+    return float(found[0]), bool(found[1])
+
+
+def test_straight_ahead_is_heard_a_radius_nearer() -> None:
+    assert one(5.0, 0.0, 0.0) == (pytest.approx(4.75), True)
+
+
+def test_a_cone_that_is_grazed_hears_it_later() -> None:
+    # The cone to the right ends at bearing 0, the x axis: it cuts the disc at (5, 0.15) at
+    # x = 5 - sqrt(0.25^2 - 0.15^2) = 4.8; the nearest point is at sqrt(25.0225) - 0.25.
+    assert one(5.0, 0.15, -15.0) == (pytest.approx(4.8), True)
+    assert one(5.0, 0.15, 15.0) == (pytest.approx(math.hypot(5.0, 0.15) - 0.25), True)
+
+
+def test_a_cone_beside_it_does_not_hear_it() -> None:
+    assert not one(5.0, 0.26, -15.0)[1]
+    assert one(5.0, 0.24, -15.0)[1]
+
+
+def test_the_simulated_ring_hears_the_same() -> None:
+    building = build([0.0, 26.4], [0.0, 20.0], [1, 0, 1, 1], 2.0)
+    ring = SonarRing()
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        ahead, left = float(rng.uniform(1.0, 9.0)), float(rng.uniform(-0.7, 0.7))
+        true = true_ranges_m(ring, building, 13.2, 0.0, 0.0, [(13.2 + ahead, left, 0.25)])
+        for k, axis in ((0, 0.0), (1, 15.0), (-1, -15.0)):
+            range_m, heard = one(ahead, left, axis)
+            assert heard == bool(np.isfinite(true[k]) and true[k] < ahead + 0.3)
+            if heard:
+                assert true[k] == pytest.approx(range_m, abs=1e-6)

@@ -1,0 +1,234 @@
+"""The belief about things ahead: exact where it can be, sane everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from modules.reactor import Scan, ScanError, Settings, Tracker, react, updated
+from modules.reactor.cone import heard_in_cone
+from modules.reactor.thing import (
+    AXES_RAD,
+    FARTHEST_M,
+    HALF_ANGLE_RAD,
+    LINES_M,
+    SPEEDS_M_S,
+    EchoModel,
+    born,
+    line_prior,
+    listened,
+    moved,
+)
+
+SETTINGS = Settings()
+DRIVE_M_S = 0.085
+
+
+def scan(
+    time_s: float, ahead: float, left: float = np.nan, right: float = np.nan, speed: float = 0.085
+) -> Scan:
+    """A ping of which only the forward transducers 0, 1 and -1 matter."""
+    ranges = np.full(24, np.nan)
+    ranges[[0, 1, -1]] = ahead, left, right
+    return Scan(time_s, ranges, 0.01 * np.nan_to_num(ranges) + 0.01, speed)
+
+
+def of_disc(
+    time_s: float,
+    ahead_m: float,
+    left_m: float,
+    rng: np.random.Generator | None = None,
+    radius_m: float = 0.25,
+) -> Scan:
+    """A ping of a disc, without noise or with."""
+    heard = [
+        heard_in_cone(np.array(ahead_m), np.array(left_m), radius_m, float(axis), HALF_ANGLE_RAD)
+        for axis in AXES_RAD
+    ]
+    ranges = [float(r) if h and r < FARTHEST_M else np.nan for r, h in heard]
+    if rng is not None:
+        ranges = [r + (0.01 * r + 0.01) * float(rng.standard_normal()) for r in ranges]
+    return scan(time_s, *ranges)
+
+
+def approach(
+    speed_m_s: float, left_m: float, pings: int, seed: int, start_m: float = 8.0
+) -> Tracker:
+    """Fast pings of somebody who approaches."""
+    rng = np.random.default_rng(seed)
+    tracker = Tracker()
+    for k in range(pings):
+        at = start_m - 0.25 * k * (speed_m_s + DRIVE_M_S)
+        tracker = updated(tracker, of_disc(10.0 + 0.25 * k, at, left_m, rng))
+    return tracker
+
+
+def test_nothing_ahead_is_quiet() -> None:
+    tracker = updated(Tracker(), scan(1.0, np.nan))
+    assert tracker.things == ()
+    assert tracker.approaching == 0.0
+    assert not tracker.wants_attention
+    assert tracker.quiet_s == np.inf
+
+
+def test_somebody_new_asks_for_attention_at_the_first_ping() -> None:
+    assert updated(Tracker(), of_disc(1.0, 8.0, 0.0)).wants_attention
+
+
+@pytest.mark.parametrize("speed", [0.8, 1.3, 1.8])
+def test_somebody_is_known_to_approach_within_four_fast_pings(speed: float) -> None:
+    known = [approach(speed, 0.1, 4, seed).approaching > 0.99 for seed in range(50)]
+    assert sum(known) >= 48
+
+
+@pytest.mark.parametrize("speed", [0.8, 1.3, 1.8])
+def test_distance_and_speed_are_learnt(speed: float) -> None:
+    thing = approach(speed, 0.4, 12, 5).things[0]
+    found = float((thing.weight.sum(axis=1) @ SPEEDS_M_S) / thing.weight.sum())
+    distance = float((thing.weight * thing.distance_m).sum() / thing.weight.sum())
+    assert found == pytest.approx(speed, abs=0.1)
+    assert distance == pytest.approx(8.0 - 11 * 0.25 * (speed + DRIVE_M_S), abs=0.1)
+
+
+def test_sides_are_learnt() -> None:
+    for left_m, side in ((0.4, 0), (0.2, 0), (-0.2, 2), (-0.65, 2)):
+        sides = approach(1.3, left_m, 14, 3).things[0].sides
+        assert sides[side] > 0.95
+        assert sum(sides) == pytest.approx(1.0)
+
+
+def test_what_stands_is_not_taken_for_somebody() -> None:
+    for seed in range(20):
+        tracker = approach(0.0, 0.0, 6, seed)
+        assert tracker.approaching < 0.01
+        assert tracker.things[0].standing > 0.99
+        assert not tracker.wants_attention
+        assert react(tracker, SETTINGS) is None or tracker.quiet_s >= SETTINGS.clear_s
+
+
+def test_one_wrong_echo_moves_nobody() -> None:
+    for at in np.arange(0.3, 10.5, 0.3):
+        for cones in ((at, np.nan, np.nan), (np.nan, at, np.nan), (at, at, np.nan), (at, at, at)):
+            tracker = updated(Tracker(), scan(0.5, np.nan))
+            for k, ranges in enumerate([cones, (np.nan,) * 3, (np.nan,) * 3]):
+                tracker = updated(tracker, scan(1.0 + 0.25 * k, *ranges))
+                assert react(tracker, SETTINGS) is None or not tracker.wants_attention
+                reaction = react(tracker, SETTINGS)
+                assert reaction is None or reaction.act == "continue"
+            assert tracker.things == () or tracker.approaching < 0.01
+
+
+def test_who_has_passed_is_forgotten_and_the_robot_goes_on() -> None:
+    tracker = approach(1.3, 0.4, 12, 1, start_m=5.0)
+    reaction = react(tracker, SETTINGS)
+    assert reaction is not None and reaction.act == "pull aside right"
+    acts = []
+    for k in range(12):
+        tracker = updated(tracker, scan(13.0 + k, np.nan))
+        said = react(tracker, SETTINGS)
+        acts.append(said.act if said else None)
+    assert acts[-1] == "continue"
+    assert tracker.things == ()
+    # First the robot waits where it stands: nothing is said for a few seconds.
+    assert acts.index("continue") * 1.0 >= SETTINGS.clear_s - 1.0
+    assert set(acts[: acts.index("continue")]) <= {None, "pull aside right", "stop"}
+
+
+def test_a_person_before_a_wall_that_is_known_is_seen() -> None:
+    tracker = Tracker()
+    for k in range(5):
+        tracker = updated(tracker, scan(2.0 * k, 9.0 - 0.17 * k, np.nan, np.nan))
+    wall = tracker.approaching
+    for k in range(4):
+        at = 6.0 - 0.25 * 1.385 * k
+        tracker = updated(tracker, of_disc(10.0 + 0.25 * k, at, 0.1))
+    assert wall < 0.01
+    assert tracker.approaching > 0.99
+
+
+def test_scans_must_follow_in_time() -> None:
+    tracker = updated(Tracker(), scan(2.0, 5.0))
+    with pytest.raises(ScanError, match="2.0 s after 2.0 s"):
+        updated(tracker, scan(2.0, 5.0))
+    with pytest.raises(ScanError, match="shapes"):
+        Scan(1.0, np.zeros(24), np.zeros(23))
+
+
+def test_one_step_is_bayes_rule_by_integration() -> None:
+    """On the centre line the range is linear in distance, so a fine grid must agree."""
+    model = EchoModel()
+    first, second, elapsed = 6.0, 5.62, 0.25
+    # Only cone 0 and only line 0 (index 4) and all speeds: everything else weighs nothing.
+    thing = born(0, first, 0.07, 0.0, 0.0, model)
+    weight = np.zeros_like(thing.weight)
+    weight[:, 4] = thing.weight[:, 4]
+    thing = replace(thing, weight=weight, false=1.0 - float(weight.sum()))
+    thing = moved(thing, DRIVE_M_S * elapsed, elapsed, replace(model, line_change_hz=0.0))
+    after, _ = listened(thing, 0, second, 0.066, 0.0, model)
+
+    grid = np.linspace(3.0, 9.0, 60_001)
+    step = grid[1] - grid[0]
+    evidence = np.zeros(len(SPEEDS_M_S))
+    mean = np.zeros(len(SPEEDS_M_S))
+    for v in range(len(SPEEDS_M_S)):
+        prior = normal(grid, thing.distance_m[v, 4], thing.variance_m2[v, 4])
+        likelihood = model.heard * normal(grid - 0.25, second, 0.066**2)
+        likelihood = likelihood + model.masked / FARTHEST_M
+        joint = thing.weight[v, 4] * prior * likelihood
+        evidence[v] = joint.sum() * step
+        mean[v] = (joint * grid).sum() * step / evidence[v]
+    false = thing.false * model.stray / FARTHEST_M
+    total = evidence.sum() + false
+    np.testing.assert_allclose(after.weight[:, 4], evidence / total, atol=1e-9)
+    assert after.false == pytest.approx(false / total, abs=1e-9)
+    np.testing.assert_allclose(after.distance_m[:, 4], mean, atol=1e-6)
+
+
+def normal(x: NDArray[np.float64], mean: float, variance: float) -> NDArray[np.float64]:
+    """Gaussian density."""
+    density: NDArray[np.float64] = np.exp(-0.5 * (x - mean) ** 2 / variance)
+    return density / np.sqrt(2.0 * np.pi * variance)
+
+
+RANGES = st.one_of(st.just(float("nan")), st.floats(0.15, 10.7))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(
+        st.tuples(RANGES, RANGES, RANGES, st.floats(0.01, 5.0), st.floats(-0.6, 0.6)),
+        min_size=1,
+        max_size=12,
+    )
+)
+def test_whatever_is_heard_probabilities_stay_probabilities(
+    heard: list[tuple[float, float, float, float, float]],
+) -> None:
+    trackers = [Tracker(), Tracker()]
+    time_s = 0.0
+    for ahead, left, right, elapsed, lateral in heard:
+        time_s += elapsed
+        ping = replace(scan(time_s, ahead, left, right), lateral_m=lateral)
+        trackers = [updated(tracker, ping) for tracker in trackers]
+        for thing in trackers[0].things:
+            assert (thing.weight >= 0).all() and 0.0 <= thing.false <= 1.0
+            assert thing.weight.sum() + thing.false == pytest.approx(1.0)
+            assert (thing.variance_m2 > 0).all()
+        assert 0.0 <= trackers[0].approaching <= 1.0 + 1e-12
+        assert len(trackers[0].things) <= 6
+        react(trackers[0], SETTINGS)
+    for one, two in zip(trackers[0].things, trackers[1].things, strict=True):
+        assert one.weight.tobytes() == two.weight.tobytes()
+        assert one.distance_m.tobytes() == two.distance_m.tobytes()
+
+
+def test_line_prior_is_uniform_across_the_corridor() -> None:
+    # 0.3 m of 1.5 m for the line from 0.25 to 0.55.
+    assert line_prior().sum() == pytest.approx(1.0)
+    assert line_prior()[7] == pytest.approx(0.2)
+    assert LINES_M[4] == pytest.approx(0.0)

@@ -1,0 +1,218 @@
+"""People and the robot in a corridor, by hand and against small steps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from simworld.people import (
+    ACTS,
+    Act,
+    Body,
+    EncounterError,
+    Person,
+    RobotInCorridor,
+    Walker,
+    advance,
+    braking_s,
+    collides,
+    deadline_s,
+    position,
+    separation,
+    time_to_collision_s,
+    walked,
+)
+
+ROBOT = RobotInCorridor(0.0)
+ROOM = 0.55
+
+
+def test_time_to_collision_head_on_is_gap_over_closing_speed() -> None:
+    # (8 - 0.55) / (1.3 + 0.085) = 5.3791...
+    person = Person(0.0, 8.0, 1.3)
+    walker = Walker(8.0, 0.0, -1.3)
+    assert time_to_collision_s(person, walker, ROBOT) == pytest.approx(7.45 / 1.385, abs=1e-12)
+
+
+def test_time_to_collision_off_the_line_is_later() -> None:
+    # Lateral 0.33 of 0.55: they touch at sqrt(0.55^2 - 0.33^2) = 0.44 m along.
+    person = Person(0.0, 8.0, 1.3, 0.33)
+    walker = Walker(8.0, 0.33, -1.3)
+    assert time_to_collision_s(person, walker, ROBOT) == pytest.approx(7.56 / 1.385, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "walker",
+    [
+        Walker(8.0, 0.56, -1.3),  # passes at the side
+        Walker(8.0, -0.75, -1.3),
+        Walker(8.0, 0.0, 0.5),  # walks away faster than the robot drives
+        Walker(-2.0, 0.0, -1.3),  # has passed
+    ],
+)
+def test_time_to_collision_is_infinite_where_paths_do_not_meet(walker: Walker) -> None:
+    assert time_to_collision_s(Person(0.0, 8.0), walker, ROBOT) == math.inf
+
+
+def test_time_to_collision_is_zero_for_those_who_touch() -> None:
+    assert time_to_collision_s(Person(0.0, 0.5), Walker(0.5, 0.0, -1.0), ROBOT) == 0.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.floats(1.0, 10.0),
+    st.floats(-0.75, 0.75),
+    st.floats(0.5, 2.0),
+    st.floats(-0.3, 0.3),
+    st.floats(-0.6, 0.6),
+)
+def test_time_to_collision_is_when_they_first_touch(
+    ahead: float, offset: float, speed: float, drift: float, robot_y: float
+) -> None:
+    person = Person(0.0, ahead, speed, offset)
+    walker = Walker(ahead, offset, -speed)
+    robot = replace(ROBOT, y_m=robot_y, lateral_speed_m_s=drift)
+
+    def apart(t: float) -> float:
+        return math.hypot(
+            ahead - (speed + robot.speed_m_s) * t, offset - robot_y - drift * t
+        )
+
+    due = time_to_collision_s(person, walker, robot)
+    grid = [0.01 * k for k in range(2500)]
+    if due == math.inf:
+        assert min(map(apart, grid)) > ROOM - 1e-9
+    else:
+        assert due == 0.0 or apart(due) == pytest.approx(ROOM, abs=1e-9)
+        assert all(apart(t) >= ROOM - 1e-9 for t in grid if t < due)
+
+
+def test_what_each_act_does_in_one_second() -> None:
+    aside = replace(ROBOT, y_m=0.2)
+    after = {act: advance(aside, act, 1.0) for act in ACTS}
+    # 0.3 m/s sideways for 1 s: from 0.2 back to the centre, to 0.5 left, to -0.1 right.
+    moved = {act: (round(r.s_m, 9), round(r.y_m, 9)) for act, r in after.items()}
+    assert moved == {
+        "continue": (0.085, 0.0),
+        "slow": (0.0425, 0.0),
+        "stop": (0.0, 0.2),
+        "pull aside left": (0.0, 0.5),
+        "pull aside right": (0.0, -0.1),
+        "back up": (-0.085, 0.2),
+    }
+
+
+@given(st.sampled_from(ACTS), st.floats(-0.6, 0.6), st.floats(0.01, 2.0), st.floats(0.01, 2.0))
+def test_two_steps_are_one_long_step(act: Act, y_m: float, first: float, second: float) -> None:
+    robot = replace(ROBOT, y_m=y_m)
+    once = advance(robot, act, first + second)
+    twice = advance(advance(robot, act, first), act, second)
+    assert twice.s_m == pytest.approx(once.s_m, abs=1e-12)
+    assert twice.y_m == pytest.approx(once.y_m, abs=1e-12)
+
+
+def test_pulling_aside_takes_two_seconds_and_sets_the_deadline() -> None:
+    # 0.6 m at 0.3 m/s.
+    assert braking_s("pull aside left") == pytest.approx(2.0)
+    assert braking_s("continue") == braking_s("stop") == 0.0
+    person, walker = Person(0.0, 8.0, 1.3), Walker(8.0, 0.0, -1.3)
+    due = deadline_s(person, walker, ROBOT, 10.0)
+    assert due == pytest.approx(10.0 + 7.45 / 1.385 - 2.0)
+    slower = deadline_s(person, walker, ROBOT, 10.0, Body(lateral_m_s=0.2))
+    assert slower == pytest.approx(due - 1.0)  # 0.6 / 0.2 = 3 s
+
+
+def touched(person: Person, act: Act, acts_at_s: float, dt_s: float = 0.01) -> bool:
+    """Drive on until a time, then do an act; do they ever touch?"""
+    robot, walker = ROBOT, position(person, 0.0)
+    for k in range(round(15.0 / dt_s)):
+        t = k * dt_s
+        if walker is not None and collides(person, walker, robot):
+            return True
+        following = walked(person, walker, robot, t, dt_s)
+        robot = advance(robot, act if t >= acts_at_s - 1e-9 else "continue", dt_s)
+        walker = following
+    return False
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(5.0, 10.0), st.floats(0.8, 1.8), st.floats(0.0, 0.54))
+def test_pulling_aside_at_the_deadline_is_in_time(ahead: float, speed: float, off: float) -> None:
+    person = Person(0.0, ahead, speed, off, yields=False)
+    walker = position(person, 0.0)
+    assert walker is not None
+    due = deadline_s(person, walker, ROBOT, 0.0)
+    assert not touched(person, "pull aside right", due - 0.02)
+
+
+@pytest.mark.parametrize("speed", [0.8, 1.3, 1.8])
+def test_pulling_aside_a_second_after_the_last_moment_is_too_late(speed: float) -> None:
+    person = Person(0.0, 8.0, speed, 0.0, yields=False)
+    # Room for 0.55 m takes 1.83 s at 0.3 m/s, and 1 s is missing.
+    last = 7.45 / (speed + 0.085) - 0.55 / 0.3
+    assert not touched(person, "pull aside left", last - 0.05)
+    assert touched(person, "pull aside left", last + 1.0)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.8, 1.8), st.floats(-0.75, 0.75), st.sampled_from(ACTS))
+def test_who_yields_is_not_touched(speed: float, offset: float, act: Act) -> None:
+    assert not touched(Person(0.0, 8.0, speed, offset), act, 3.0)
+
+
+def test_who_does_not_yield_walks_into_a_robot_that_stands() -> None:
+    assert touched(Person(0.0, 8.0, 1.3, 0.3, yields=False), "stop", 0.0)
+    assert not touched(Person(0.0, 8.0, 1.3, 0.6, yields=False), "stop", 0.0)
+
+
+def test_the_robot_drives_into_a_thing_that_was_left() -> None:
+    # Gap 1.2 - 0.55 = 0.65 m at 0.085 m/s: 7.6 s.
+    box = Person(0.0, 1.2, 0.0)
+    assert touched(box, "stop", 8.0)
+    assert not touched(box, "stop", 7.5)
+
+
+def test_a_person_from_a_door_crosses_to_a_line_first() -> None:
+    # From the wall at y = 1.0 to y = 0.2 at 1.6 m/s: 0.5 s; then along.
+    person = Person(2.0, 7.0, 1.6, 0.2, appears="left door", yields=False)
+    assert position(person, 1.99) is None
+    assert position(person, 2.25) == Walker(7.0, pytest.approx(0.6), 0.0, -1.6)
+    after = position(person, 3.5)
+    assert after is not None
+    assert (after.s_m, after.y_m) == (pytest.approx(5.4), 0.2)
+
+
+def test_stepping_one_who_does_not_yield_is_the_closed_form() -> None:
+    person = Person(0.1, 6.0, 1.3, -0.4, yields=False, appears="right door")
+    walker = position(person, 0.0)
+    for k in range(100):
+        walker = walked(person, walker, ROBOT, k * 0.05, 0.05)
+        assert walker == position(person, k * 0.05 + 0.05)
+
+
+def test_who_has_passed_leaves() -> None:
+    person = Person(0.0, 3.0, 1.0, 0.6, yields=False)
+    walker = position(person, 0.0)
+    here = [walker := walked(person, walker, ROBOT, 0.05 * k, 0.05) for k in range(200)]
+    # From 3 m ahead to 2 m behind at 1 m/s: 5 s of 0.05 s steps.
+    assert sum(w is not None for w in here) in (99, 100, 101)
+    assert here[-1] is None
+
+
+def test_separation_is_between_the_centres() -> None:
+    assert separation(Walker(3.0, 4.0, -1.0), ROBOT) == 5.0
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(EncounterError, match="speed_m_s >= 0"):
+        Person(0.0, 5.0, -1.0)
+    with pytest.raises(EncounterError, match="must walk"):
+        Person(0.0, 5.0, 0.0, appears="left door")
+    with pytest.raises(EncounterError, match="lateral_m_s must be positive, got 0"):
+        Body(lateral_m_s=0.0)
+    with pytest.raises(EncounterError, match="no such act: 'jump'"):
+        advance(ROBOT, "jump", 0.1)  # type: ignore[arg-type]
