@@ -16,19 +16,17 @@ import zstandard
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
-from mcap.records import Attachment, Channel, Header, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import MAGIC_SIZE, StreamReader
+from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
 
 from bus.topics import TOPICS
 from bus.wire import Sent
 from logs.run_log import METADATA
 from logs.schema import SchemaError, decode, schema, schema_name
 
-_DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, MemoryError)
-"""What reading raises where the file is cut or its bytes are not what was written.
-
-MemoryError is what zstandard says of a frame that claims to be larger than the memory.
-"""
+_TOO_LARGE = (MemoryError, OverflowError)  # what a damaged length asks for
+_DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, *_TOO_LARGE)
+"""What reading raises where the file is cut or its bytes are not what was written."""
 
 
 class LogReadError(ValueError):
@@ -98,9 +96,10 @@ class RunReader:
     def __iter__(self) -> Iterator[Sent]:
         try:
             for record in self._records:
-                sent = self._take(record)
-                if sent is not None:
-                    yield sent
+                if isinstance(record, Chunk):
+                    yield from self._chunk(record)
+                elif isinstance(record, Message):
+                    raise ValueError("a message outside of the chunks")
         except LogReadError:
             raise
         except _DAMAGE as error:
@@ -134,7 +133,9 @@ class RunReader:
     def _past_head(self) -> Iterator[McapRecord]:
         """Read up to the end of metadata and attachments; what is left to read."""
         size = self.path.stat().st_size
-        stream = StreamReader(self._file, validate_crcs=True, record_size_limit=size)
+        stream = StreamReader(
+            self._file, emit_chunks=True, validate_crcs=True, record_size_limit=size
+        )
         records = stream.records
         try:
             for record in records:
@@ -177,6 +178,13 @@ class RunReader:
         else:
             how = f"a record is cut or damaged ({type(error).__name__}: {error})"
         self.problem = f"{how}; {self.read} messages could be read"
+
+    def _chunk(self, chunk: Chunk) -> Iterator[Sent]:
+        # only what a checksum covers is believed, hence nothing outside of chunks
+        for record in breakup_chunk(chunk, validate_crc=True):
+            sent = self._take(record)
+            if sent is not None:
+                yield sent
 
     def _take(self, record: McapRecord) -> Sent | None:
         if isinstance(record, Message):

@@ -69,7 +69,8 @@ def _heading(analysis: Analysis, console: Console) -> None:
 
 
 def _table(name: str, *columns: str, left: tuple[str, ...] = ()) -> Table:
-    table = Table(title=name, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = Table(title=name, title_justify="left", title_style="bold")
+    table.box, table.pad_edge, table.collapse_padding = box.SIMPLE_HEAD, False, True
     for column in columns:
         table.add_column(column, justify="left" if column in left else "right")
     return table

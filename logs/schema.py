@@ -131,7 +131,7 @@ def _plan(topic: str) -> _Plan:
     for file in schema(topic).file:
         pool.Add(file)
     described = pool.FindMessageTypeByName(schema_name(topic))
-    record = GetMessageClass(described)
+    record: Any = GetMessageClass(described)
     message_type = TOPICS[topic].type
     return _Plan(message_type, record, record.Parent, record.FromString, _fields(message_type))
 

@@ -17,7 +17,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from bus.costs import KINDS
-from scenarios.modules import MODULE_SETTINGS
+from bus.topics import MODULES
+from scenarios.modules import settings_type
 from simworld.settings import ErrandSettings, NotNegative, RandomErrands, WorldSettings
 
 SHIPPED = Path(__file__).parent
@@ -121,14 +122,14 @@ def load(path: Path, changes: Sequence[str] = (), seed: int | None = None) -> Sc
 
 def check(table: Mapping[str, Any], name: str) -> Scenario:
     """A scenario from its table. Raises ScenarioError that begins with ``name``."""
-    scenario = _converted(table, Scenario, name, "")
+    scenario: Scenario = _converted(table, Scenario, name, "")
     for module, settings in scenario.modules.items():
-        if module not in MODULE_SETTINGS:
+        if module not in MODULES:
             raise ScenarioError(
                 f"{name}: modules.{module}: found an unknown module, "
-                f"expected one of {', '.join(MODULE_SETTINGS)}"
+                f"expected one of {', '.join(sorted(MODULES))}"
             )
-        _converted(settings, MODULE_SETTINGS[module], name, f"modules.{module}")
+        _converted(settings, settings_type(module), name, f"modules.{module}")
     for kind in scenario.compute.slower:
         if kind not in KINDS:
             raise ScenarioError(

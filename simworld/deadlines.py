@@ -102,13 +102,15 @@ class Deadlines:
             self._close(entry, -1, 0, 0, 0)
 
     def close_all(self, stands_since_ns: int | None) -> None:
-        """The run ends: every decision that was missed and never came gets its entry."""
+        """The run ends: every decision that was missed, or never can come, gets its entry."""
         now_ns = int(self._env.now)
         for entry in list(self._open.values()):
             idle_ns = 0
             if stands_since_ns is not None:
                 idle_ns = max(0, now_ns - max(entry.until_ns, stands_since_ns))
             del self._open[entry.decision]
+            if not entry.cause and self._why_late(DECIDES[entry.kind]) == "process down":
+                entry.cause = "process down"
             if entry.cause:
                 self._close(entry, -1, 0, 0, idle_ns)
 

@@ -18,10 +18,15 @@ RAYS_PER_TURN = 360
 """The first ray lies on the first axis, so that axes whole degrees apart have rays."""
 
 EDGE_M = 0.3
-"""Where the next ray's hit is this much farther, the end of a wall is looked for between them."""
+"""Where the next ray's hit is this much farther, the end of a wall is looked for between them: on
+a wall seen aslant the hits lie so far apart that the cells of its end may be missed."""
+
+STEPS = 2.0
+"""It is one if the distance jumps there by more than that and the shadow of so many cells, for
+a wall that does not run along the rows has steps of one."""
 
 HALVINGS = 5
-"""Times that the degree is halved in that search: 6 mm are left at 10.7 m."""
+"""Times that the degree is halved to find such an end: 6 mm are left at 10.7 m."""
 
 
 @njit(cache=True)
@@ -52,10 +57,9 @@ def _march(
 
 
 @njit(cache=True)
-def _reflects(normal: float, angle: float, specular: float) -> bool:
-    """Whether a wall with this normal (modulo a half turn, nan for diffuse) returns this ray."""
-    incidence = abs(wrapped(2.0 * (angle - normal))) / 2.0
-    return math.isnan(normal) or incidence <= specular
+def _incidence(normal: float, angle: float) -> float:
+    """Angle between a ray and a normal that is known modulo a half turn; nan for no normal."""
+    return abs(wrapped(2.0 * (angle - normal))) / 2.0
 
 
 @njit(cache=True)
@@ -77,26 +81,22 @@ def _edge(
     resolution: float,
     x: float,
     y: float,
-    near_angle: float,
-    far_angle: float,
-    between: float,
+    near: tuple[float, float],
+    beyond: tuple[float, float],
     far: float,
-) -> tuple[float, float, int, int]:
-    """The last ray before an edge: its angle, distance, row, column.
-
-    The ray at ``near_angle`` meets something nearer than ``between``, that at ``far_angle`` does
-    not. At a shallow angle the hits of rays a degree apart lie so far apart on a wall that its
-    end may be missed.
-    """
-    distance, row, column = np.inf, -1, -1
-    for _ in range(HALVINGS + 1):
+) -> tuple[float, float, float]:
+    """Where the distance jumps between two rays (angle, distance): angle, distance, the jump."""
+    near_angle, nearer = near
+    far_angle, farther = beyond
+    between = (nearer + farther) / 2.0
+    for _ in range(HALVINGS):
         middle = (near_angle + far_angle) / 2.0
-        d, r, c = _march(occupied, resolution, x, y, middle, far)
-        if d < between:
-            near_angle, distance, row, column = middle, d, r, c
+        met = min(far, _march(occupied, resolution, x, y, middle, far)[0])
+        if met < between:
+            near_angle, nearer = middle, met
         else:
-            far_angle = middle
-    return near_angle, distance, row, column
+            far_angle, farther = middle, met
+    return near_angle, nearer, farther - nearer
 
 
 @njit(cache=True)
@@ -129,7 +129,8 @@ def hear_cells(
 
     ``occupied``, ``normals`` (rows, columns) as in :class:`simworld.floor_plan.Cells`; (x, y) and
     ``people`` (p, 3: x, y, radius) in the image's frame. A cell returns a ray that comes within
-    ``specular`` of its normal, and any ray if it has no normal; all cells hide what is behind.
+    ``specular`` of its normal, and any ray if it has no normal; so does the end of a wall that
+    hides something farther. All cells hide what is behind.
     """
     half = half_angle + ANGLE_SLACK
     step = 2.0 * math.pi / RAYS_PER_TURN
@@ -141,16 +142,19 @@ def hear_cells(
         person = _ray_to_people(people, x, y, angle)
         if person < min(this[0], far):
             _hear(ranges, axes, half, angle, person)
-        elif this[1] >= 0 and _reflects(normals[this[1], this[2]], angle, specular):
-            _hear(ranges, axes, half, angle, this[0])
-        nearer, near, beyond = this, angle, angle - step
+        elif this[1] >= 0:
+            incidence = _incidence(normals[this[1], this[2]], angle)
+            if math.isnan(incidence) or incidence <= specular:
+                _hear(ranges, axes, half, angle, this[0])
+        near, beyond = (angle, min(this[0], far)), (angle - step, min(last[0], far))
+        normal = normals[this[1], this[2]]
         if last[0] < this[0]:
-            nearer, near, beyond = last, angle - step, angle
-        between = nearer[0] + EDGE_M
-        # An edge beside a cell that returns any ray has been heard with that cell.
-        if between < max(this[0], last[0]) and not math.isnan(normals[nearer[1], nearer[2]]):
-            at, d, row, column = _edge(occupied, resolution, x, y, near, beyond, between, far)
-            if row >= 0 and _reflects(normals[row, column], at, specular):
-                _hear(ranges, axes, half, at, d)
+            near, beyond = beyond, near
+            normal = normals[last[1], last[2]]
+        # An end beside a cell without a normal has been heard with that cell.
+        if beyond[1] - near[1] > EDGE_M and not math.isnan(normal):
+            at, distance, hidden = _edge(occupied, resolution, x, y, near, beyond, far)
+            if hidden > EDGE_M + STEPS * resolution / math.cos(_incidence(normal, at)):
+                _hear(ranges, axes, half, at, distance)
         last = this
     return ranges

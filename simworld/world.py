@@ -145,6 +145,10 @@ class World:
             self._speaker.say(RunEnded(reason))
             self.ended.succeed(reason)
 
+    def lost(self, process: str, how: str) -> None:
+        """A process is ``down`` or ``frozen``: no verdict on this run would be honest."""
+        self.end(f"process {how}: {process}")
+
     def _missed(self, process: str, cause: str) -> None:
         """After a miss: nobody can wait for a process that is gone, nor for ever."""
         if cause == "process down":

@@ -51,11 +51,11 @@ class ConnectedMaps:
     @cached_property
     def count(self) -> int:
         """How many connected maps there are."""
-        return counting.count(self._frontier, self._sweep, self.grid.corridors)
+        return counting.count(self._frontier, self._sweep.steps, self.grid.corridors)
 
     def count_by_corridors(self) -> list[int]:
         """How many connected maps have 0, 1, 2, ... corridors."""
-        return counting.count_by_corridors(self._frontier, self._sweep, self.grid.corridors)
+        return counting.count_by_corridors(self._frontier, self._sweep.steps, self.grid.corridors)
 
     @property
     def states(self) -> int:

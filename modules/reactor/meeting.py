@@ -16,6 +16,9 @@ from modules.reactor.cone import Flags, Floats
 ACTS = ("continue", "slow", "stop", "pull aside left", "pull aside right", "back up")
 """The words of ``decision/reaction``."""
 
+GRAZE_M = 1e-9
+"""Who comes exactly as near as the radii does not touch, whatever the rounding."""
+
 
 @dataclass(frozen=True)
 class Body:
@@ -90,7 +93,7 @@ def touches_walker(
     across = _towards(line, side, walking.sidestep_m_s * np.maximum(times - noticed, 0.0))
     across = across - _towards(np.full_like(line, lateral_m), goal, body.lateral_m_s * times)
     least = least_separation_m(ahead - closing * times, across)
-    return least < body.radius_m + walking.radius_m
+    return least < body.radius_m + walking.radius_m - GRAZE_M
 
 
 def touches_standing(
@@ -114,7 +117,7 @@ def touches_standing(
     mine = _towards(np.full_like(times, lateral_m), goal, body.lateral_m_s * times)
     least = least_separation_m(ahead - body.along_m_s(act) * times, line - mine)
     # How big a thing is that was left in a corridor is not known: as big as a person, say.
-    return least < body.radius_m + walking.radius_m
+    return least < body.radius_m + walking.radius_m - GRAZE_M
 
 
 def least_separation_m(ahead_m: Floats, across_m: Floats) -> Floats:

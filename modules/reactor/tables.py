@@ -41,7 +41,7 @@ Narrow about 1.8 s, which is what pulling aside takes: there the best act change
 
 TTC_S: Floats = (TTC_EDGES_S[1:] + TTC_EDGES_S[:-1]) / 2
 TTC_CLASSES = len(TTC_EDGES_S) - 1
-POINTS = 3
+POINTS = 4
 """Points inside each class, line and spread of speeds at which the geometry is looked at."""
 
 PACES_M_S: Floats = np.array([0.8, 1.3, 1.8])
@@ -73,7 +73,7 @@ class Settings:
     blocking: tuple[tuple[float, float, float], ...] = (
         (0.0, 0.0, 2.0),
         (0.0, 0.0, 2.0),
-        (0.0, 0.0, 3.0),
+        (0.0, 0.0, 5.0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 2.0),
@@ -92,13 +92,17 @@ def points_in(edges: Floats) -> Floats:
     return edges[:-1, None] + np.diff(edges)[:, None] * share
 
 
-@lru_cache(maxsize=8)
 def collision_table(settings: Settings) -> Floats:
     """P(collision | side, act, what, yields, ttc, line), from the geometry of the corridor.
 
     Shape (29, 6, 3, 2, 13, 9). Within a class everything is equally likely.
     """
-    body, walking = settings.body, settings.walking
+    return _collisions(settings.body, settings.walking, settings.again_s)
+
+
+@lru_cache(maxsize=8)
+def _collisions(body: Body, walking: Walking, again_s: float) -> Floats:
+    """The collision table, which does not depend on preferences."""
     lines = points_in(LINE_EDGES_M)[None, :, None, :, None]
     seconds = points_in(TTC_EDGES_S)[:, None, :, None, None]
     reach = body.radius_m + walking.radius_m
@@ -107,9 +111,7 @@ def collision_table(settings: Settings) -> Floats:
     standing = reach + seconds[..., 0] * body.speed_m_s
     walker = reach + seconds * (PACES_M_S + body.speed_m_s)
     for (i, side), (a, act) in product(enumerate(SIDES_M), enumerate(ACTS)):
-        stands = touches_standing(
-            act, side, standing, lines[..., 0], settings.again_s, body, walking
-        )
+        stands = touches_standing(act, side, standing, lines[..., 0], again_s, body, walking)
         table[i, a, 1, :] = stands.mean(axis=(2, 3))
         for yields in (0, 1):
             hit = touches_walker(act, bool(yields), side, walker, lines, PACES_M_S, body, walking)

@@ -109,20 +109,23 @@ def test_linear_numbers_alone_would_lose_the_answer() -> None:
 
 
 def test_what_both_passes_lose_is_found_again() -> None:
-    # Two lines of seven junctions, no rungs: the map is either the whole left line or the whole
-    # right one. The left junctions say 1e-200 for the line at rows 0, 1, 5 and 6, and 1e-300
-    # against it at rows 2, 3 and 4. So left 1e-800 beats right 1e-900, but either pass alone has
-    # left at 1e-400 of right after its first two rows and drops it. Both then agree on right.
-    line = [NORTH] + [NORTH | SOUTH] * 5 + [SOUTH]
-    likelihood = np.zeros((7, 2, JUNCTION_TYPES))
+    # Two lines of 13 junctions, no rungs: the map is either the whole left line or the whole
+    # right one. The left junctions say 1e-150 for the line in the first and last three rows, and
+    # 1e-150 against it in the seven between. So left, 6 * 150 = 900 orders down, beats right,
+    # 7 * 150 = 1050 down. But either pass alone has left 450 orders behind right after three rows
+    # and drops it, and then both agree on right.
+    line = [NORTH] + [NORTH | SOUTH] * 11 + [SOUTH]
+    likelihood = np.zeros((13, 2, JUNCTION_TYPES))
     likelihood[:, :, 0] = 1.0
-    likelihood[range(7), :, line] = 1.0
-    likelihood[range(7), 0, line] = [1e-200, 1e-200, 1.0, 1.0, 1.0, 1e-200, 1e-200]
-    likelihood[2:5, 0, 0] = 1e-300
-    maps = ConnectedMaps(2, 7)
+    likelihood[range(13), :, line] = 1.0
+    outer = [0, 1, 2, 10, 11, 12]
+    likelihood[outer, 0, np.take(line, outer)] = 1e-150
+    likelihood[3:10, 0, 0] = 1e-150
+    maps = ConnectedMaps(2, 13)
     belief = maps.posterior(likelihood)
-    assert_allclose(belief.corridors_north, [[1.0, 0.0]] * 6, atol=1e-99)
-    assert_allclose(belief.log_evidence, -800 * np.log(10) - np.log(maps.count), rtol=1e-12)
+    assert_allclose(belief.corridors_north, [[1.0, 0.0]] * 12, atol=1e-99)
+    evidence = -900 * np.log(10) - np.log(float(maps.count))
+    assert_allclose(belief.log_evidence, evidence, rtol=1e-12)
 
 
 def test_two_by_two_by_hand() -> None:

@@ -72,7 +72,7 @@ def test_a_log_cut_anywhere_yields_a_prefix_and_says_so(
         try:
             reader = read_run(cut)
         except LogReadError as error:
-            assert str(cut) in str(error)  # noqa: PT017
+            assert str(cut) in str(error)
             assert length < 300
             continue
         found = _packed(list(reader))
@@ -99,7 +99,8 @@ def test_a_damaged_log_never_yields_what_was_not_said(
             found = _packed(list(reader))
         except LogReadError:
             continue
-        assert found == expected[: len(found)]
+        left = iter(expected)
+        assert all(one in left for one in found)  # in order; a damaged chunk may be missing
         assert reader.truncated or len(found) == len(expected)
 
 
@@ -122,7 +123,7 @@ def _magic_only(path: Path) -> None:
 
 
 NOT_LOGS: dict[str, tuple[Callable[[Path], object], str]] = {
-    "missing": (lambda path: None, "cannot be read: No such file or directory"),
+    "missing": (str, "cannot be read: No such file or directory"),
     "empty": (Path.touch, "found an empty file"),
     "folder": (Path.mkdir, "cannot be read: Is a directory"),
     "text": (_text, "found a file that is not MCAP"),
@@ -167,6 +168,23 @@ def test_what_is_there_for_viewers_only_is_passed_over(tmp_path: Path) -> None:
     view = ("view/pose", "foxglove.PoseInFrame", b"", b"\x0a")
     _with_channels(path, [view, ("run/ended", schema_name("run/ended"), described, encode(ENDED))])
     assert list(read_run(path)) == [ENDED]
+
+
+def test_a_message_without_a_checksum_is_not_believed(tmp_path: Path) -> None:
+    path = tmp_path / "RUN.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, use_chunking=False)
+        writer.start()
+        writer.add_metadata(METADATA, {"epoch_ns": "0"})
+        described = schema("run/ended").SerializeToString()
+        schema_id = writer.register_schema(schema_name("run/ended"), "protobuf", described)
+        channel = writer.register_channel("run/ended", "protobuf", schema_id)
+        writer.add_message(channel, 0, encode(ENDED), 0)
+        writer.finish()  # type: ignore[no-untyped-call]
+    reader = read_run(path)
+    assert list(reader) == []
+    assert reader.truncated
+    assert "a message outside of the chunks" in reader.problem
 
 
 @pytest.mark.parametrize("described", [schema("ledger").SerializeToString(), b"\xff\xff"])

@@ -93,17 +93,22 @@ def test_the_envelope_comes_first_in_every_schema() -> None:
 
 
 def test_fields_follow_in_the_order_of_the_message_type() -> None:
-    assert _declared("command/motion")[5:] == [
-        (6, "action", 3, False),
-        (7, "detector", 3, False),
-        (8, "steps", 1, True),
-        (9, "steps_shape", 3, True),
+    assert _declared("truth/building")[5:] == [
+        (6, "columns_m", 1, True),
+        (7, "rows_m", 1, True),
+        (8, "corridor_width_m", 1, False),
+        (9, "corridors", 12, False),  # uint8 array: bytes
+        (10, "start", 3, False),
     ]
-    assert _declared("decision/path")[5:8] == [
-        (6, "decision", 3, False),
-        (7, "visit", 3, False),
-        (8, "direction", 12, False),  # uint8 array: bytes
-    ]
+
+
+def test_an_array_of_more_dimensions_is_followed_by_its_shape() -> None:
+    fields = {name: (number, kind) for number, name, kind, _ in _declared("belief/map")}
+    for name, kind in (("junctions", 1), ("maps", 12)):
+        number = fields[name][0]
+        assert fields[name][1] == kind
+        assert fields[f"{name}_shape"] == (number + 1, 3)
+    assert "corridors_shape" not in fields
 
 
 def test_a_field_called_as_one_of_the_envelope_is_what_the_message_is_about() -> None:
@@ -153,9 +158,9 @@ def test_bytes_that_are_no_message_are_refused() -> None:
 
 
 def test_a_shape_that_does_not_fit_its_numbers_is_refused() -> None:
-    sent = Sent("command/motion", "detectors", 0, -1, 0, (), m.Motion(1, 2, np.zeros((2, 2))))
-    data = encode(sent)
-    # field 9 (steps_shape), packed: tag 0x4a, length 2, then 2 and 2; make the last a 3
-    assert data.endswith(b"\x4a\x02\x02\x02")
+    pose = m.PoseBelief(np.zeros(3), np.zeros((2, 2)))
+    data = encode(Sent("belief/pose", "sensor", 0, -1, 0, (), pose))
+    # field 8 (covariance_shape), packed: tag 0x42, length 2, then 2 and 2; make the last a 3
+    assert data.endswith(b"\x42\x02\x02\x02")
     with pytest.raises(SchemaError, match="reshape"):
-        decode("command/motion", data[:-1] + b"\x03")
+        decode("belief/pose", data[:-1] + b"\x03")

@@ -130,7 +130,9 @@ def test_a_chunk_spans_less_than_a_minute_of_simulated_time(
     make_log: Callable[[list[Sent]], Path],
 ) -> None:
     path = make_log([_pose(i, at_s) for i, at_s in enumerate((5, 6, 64.9, 65, 70, 300))])
-    spans = [(c.message_start_time - EPOCH_NS, c.message_end_time - EPOCH_NS) for c in _chunks(path)]
+    spans = [
+        (c.message_start_time - EPOCH_NS, c.message_end_time - EPOCH_NS) for c in _chunks(path)
+    ]
     # the first chunk begins at 5 s, so it may hold what was said before 65 s
     assert spans == [(5 * S, int(64.9 * S)), (65 * S, 70 * S), (300 * S, 300 * S)]
 
@@ -176,7 +178,7 @@ def test_nothing_is_written_after_the_end(tmp_path: Path) -> None:
     log = RunLog(tmp_path / "RUN.mcap", EPOCH_NS, {}, {})
     log.close()
     log.close()
-    with pytest.raises(LogWriteError, match="RUN.mcap: the log is closed"):
+    with pytest.raises(LogWriteError, match=r"RUN.mcap: the log is closed"):
         log.write(_pose(0, 0))
 
 

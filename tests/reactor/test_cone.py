@@ -21,14 +21,18 @@ def one(ahead: float, left: float, axis_deg: float) -> tuple[float, bool]:
 
 
 def test_straight_ahead_is_heard_a_radius_nearer() -> None:
-    assert one(5.0, 0.0, 0.0) == (pytest.approx(4.75), True)
+    range_m, heard = one(5.0, 0.0, 0.0)
+    assert heard
+    assert range_m == pytest.approx(4.75)
 
 
 def test_a_cone_that_is_grazed_hears_it_later() -> None:
     # The cone to the right ends at bearing 0, the x axis: it cuts the disc at (5, 0.15) at
     # x = 5 - sqrt(0.25^2 - 0.15^2) = 4.8; the nearest point is at sqrt(25.0225) - 0.25.
-    assert one(5.0, 0.15, -15.0) == (pytest.approx(4.8), True)
-    assert one(5.0, 0.15, 15.0) == (pytest.approx(math.hypot(5.0, 0.15) - 0.25), True)
+    right, left = one(5.0, 0.15, -15.0), one(5.0, 0.15, 15.0)
+    assert right[1] and left[1]
+    assert right[0] == pytest.approx(4.8)
+    assert left[0] == pytest.approx(math.hypot(5.0, 0.15) - 0.25)
 
 
 def test_a_cone_beside_it_does_not_hear_it() -> None:
@@ -37,7 +41,7 @@ def test_a_cone_beside_it_does_not_hear_it() -> None:
 
 
 def test_the_simulated_ring_hears_the_same() -> None:
-    building = build([0.0, 26.4], [0.0, 20.0], [1, 0, 1, 1], 2.0)
+    building = build([0.0, 26.4], [0.0, 20.0], np.array([1, 0, 1, 1], np.uint8), 2.0)
     ring = SonarRing()
     rng = np.random.default_rng(3)
     for _ in range(200):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ from simworld import people
 
 BODY, WALKING = Body(), Walking()
 REACH = 0.55
-DT_S = 0.005
+DT_S = 0.01
 
 
 def stepped_separation(
@@ -37,32 +39,35 @@ def stepped_separation(
     return least
 
 
-def test_the_words_for_acts_are_those_of_the_world() -> None:
+def test_words_and_figures_are_those_of_the_world() -> None:
     assert people.ACTS == ACTS
+    assert asdict(people.Body()) == asdict(BODY)
+    person = people.Person(0.0, 1.0)
+    assert all(getattr(person, name) == value for name, value in asdict(WALKING).items())
 
 
 def test_encounters_end_as_in_the_stepped_world() -> None:
     rng = np.random.default_rng(1)
     compared = touched = 0
-    for k in range(240):
+    for k in range(180):
         act = people.ACTS[k % len(ACTS)]
         ahead, speed = float(rng.uniform(1.5, 8.0)), float(rng.uniform(0.6, 2.0))
         line, mine = float(rng.uniform(-0.75, 0.75)), float(rng.choice([-0.6, -0.3, 0.0, 0.6]))
         yields = bool(rng.random() < 0.5)
         person = people.Person(0.0, ahead, speed, line, yields)
         least = stepped_separation(act, person, mine, 15.0)
-        if abs(least - REACH) < 0.02:
+        if abs(least - REACH) < 0.03:
             continue  # the steps are too coarse to tell
+        # Who yields looks at the robot in every step, in the closed form only when he notices
+        # it; they differ where the robot crosses his line meanwhile.
+        if yields and act.startswith("pull aside"):
+            continue
         found = touches_walker(
             act, yields, mine, np.array(ahead), np.array(line), np.array(speed), BODY, WALKING
         )
-        # One who yields looks again at each step, the closed form only when he notices the
-        # robot; they may differ where the robot crosses his line meanwhile.
-        if yields and act.startswith("pull aside"):
-            continue
         assert bool(found) == (least < REACH), (act, person, mine, least)
         compared, touched = compared + 1, touched + int(found)
-    assert compared > 150
+    assert compared > 110
     assert 20 < touched < compared - 20
 
 

@@ -111,16 +111,19 @@ def test_what_stands_is_not_taken_for_somebody() -> None:
         assert react(tracker, SETTINGS) is None or tracker.quiet_s >= SETTINGS.clear_s
 
 
-def test_one_wrong_echo_moves_nobody() -> None:
-    for at in np.arange(0.3, 10.5, 0.3):
-        for cones in ((at, np.nan, np.nan), (np.nan, at, np.nan), (at, at, np.nan), (at, at, at)):
-            tracker = updated(Tracker(), scan(0.5, np.nan))
-            for k, ranges in enumerate([cones, (np.nan,) * 3, (np.nan,) * 3]):
-                tracker = updated(tracker, scan(1.0 + 0.25 * k, *ranges))
-                assert react(tracker, SETTINGS) is None or not tracker.wants_attention
-                reaction = react(tracker, SETTINGS)
-                assert reaction is None or reaction.act == "continue"
-            assert tracker.things == () or tracker.approaching < 0.01
+NONE = np.nan
+
+
+@pytest.mark.parametrize("cones", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 1, 1)])
+def test_echoes_of_one_ping_move_nobody_and_are_forgotten(cones: tuple[int, int, int]) -> None:
+    for at_m in np.arange(0.3, 10.5, 0.3):
+        tracker = updated(Tracker(), scan(0.5, NONE))
+        for k in range(5):
+            heard = [at_m if cone and k == 0 else NONE for cone in cones]
+            tracker = updated(tracker, scan(1.0 + 0.25 * k, *heard))
+            reaction = react(tracker, SETTINGS)
+            assert reaction is None or reaction.act == "continue"
+        assert tracker.approaching < 0.01
 
 
 def test_who_has_passed_is_forgotten_and_the_robot_goes_on() -> None:
@@ -153,7 +156,7 @@ def test_a_person_before_a_wall_that_is_known_is_seen() -> None:
 
 def test_scans_must_follow_in_time() -> None:
     tracker = updated(Tracker(), scan(2.0, 5.0))
-    with pytest.raises(ScanError, match="2.0 s after 2.0 s"):
+    with pytest.raises(ScanError, match=r"2\.0 s after 2\.0 s"):
         updated(tracker, scan(2.0, 5.0))
     with pytest.raises(ScanError, match="shapes"):
         Scan(1.0, np.zeros(24), np.zeros(23))
@@ -192,7 +195,8 @@ def test_one_step_is_bayes_rule_by_integration() -> None:
 def normal(x: NDArray[np.float64], mean: float, variance: float) -> NDArray[np.float64]:
     """Gaussian density."""
     density: NDArray[np.float64] = np.exp(-0.5 * (x - mean) ** 2 / variance)
-    return density / np.sqrt(2.0 * np.pi * variance)
+    density /= np.sqrt(2.0 * np.pi * variance)
+    return density
 
 
 RANGES = st.one_of(st.just(float("nan")), st.floats(0.15, 10.7))

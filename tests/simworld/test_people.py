@@ -78,9 +78,7 @@ def test_time_to_collision_is_when_they_first_touch(
     robot = replace(ROBOT, y_m=robot_y, lateral_speed_m_s=drift)
 
     def apart(t: float) -> float:
-        return math.hypot(
-            ahead - (speed + robot.speed_m_s) * t, offset - robot_y - drift * t
-        )
+        return math.hypot(ahead - (speed + robot.speed_m_s) * t, offset - robot_y - drift * t)
 
     due = time_to_collision_s(person, walker, robot)
     grid = [0.01 * k for k in range(2500)]
@@ -127,7 +125,7 @@ def test_pulling_aside_takes_two_seconds_and_sets_the_deadline() -> None:
 
 
 def touched(person: Person, act: Act, acts_at_s: float, dt_s: float = 0.01) -> bool:
-    """Drive on until a time, then do an act; do they ever touch?"""
+    """Whether they ever touch if the robot drives on until a time and then does an act."""
     robot, walker = ROBOT, position(person, 0.0)
     for k in range(round(15.0 / dt_s)):
         t = k * dt_s
@@ -180,10 +178,12 @@ def test_a_person_from_a_door_crosses_to_a_line_first() -> None:
     # From the wall at y = 1.0 to y = 0.2 at 1.6 m/s: 0.5 s; then along.
     person = Person(2.0, 7.0, 1.6, 0.2, appears="left door", yields=False)
     assert position(person, 1.99) is None
-    assert position(person, 2.25) == Walker(7.0, pytest.approx(0.6), 0.0, -1.6)
-    after = position(person, 3.5)
-    assert after is not None
-    assert (after.s_m, after.y_m) == (pytest.approx(5.4), 0.2)
+    between, after = position(person, 2.25), position(person, 3.5)
+    assert between is not None and after is not None
+    assert between.y_m == pytest.approx(0.6)
+    assert (between.s_m, between.speed_m_s, between.lateral_speed_m_s) == (7.0, 0.0, -1.6)
+    assert after.s_m == pytest.approx(5.4)
+    assert after.y_m == 0.2
 
 
 def test_stepping_one_who_does_not_yield_is_the_closed_form() -> None:

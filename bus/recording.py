@@ -1,0 +1,80 @@
+"""The recorder's side of virtual time: it writes what it has received in the order it is told."""
+
+from __future__ import annotations
+
+import queue
+from collections import deque
+from collections.abc import Callable
+from typing import TypeAlias
+
+import zenoh
+
+from bus import link
+from bus.process import Refusals
+from bus.protocol import CommitEntry, unpack_commit
+from bus.topics import RECORDER, heard_by
+from bus.wire import MessageId, RefusedError, Sent, unpack
+
+Item: TypeAlias = tuple[str, bytes]
+
+PAYLOAD_PATIENCE_S = 20.0
+
+
+class Recording:
+    """Holds payloads until a commit names them, then hands them to ``write``.
+
+    The queue has no bound: a recorder that stalls must not slow the bus.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, keys: link.Keys, write: Callable[[Sent], None]
+    ) -> None:
+        self._keys = keys
+        self._write = write
+        self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
+        self._held: dict[MessageId, Sent] = {}
+        self._refusals = Refusals()
+        self._due: deque[CommitEntry] = deque()
+        self._last = False
+        self.lost: list[MessageId] = []
+        wanted = [keys.topic(t.name) for t in heard_by(RECORDER)] + [keys.commit]
+        self._subscribers = [link.subscribe(session, key, self._queue.put) for key in wanted]
+        self._token = session.liveliness().declare_token(keys.alive(RECORDER))
+
+    def run(self) -> None:
+        """Write until the last commit is carried out."""
+        while not self._last or self._due:
+            try:
+                self._take(*self._queue.get(timeout=PAYLOAD_PATIENCE_S if self._due else None))
+            except queue.Empty:
+                self._give_up_first()
+            self._write_due()
+
+    def _take(self, key: str, data: bytes) -> None:
+        if key == self._keys.commit:
+            entries, last = unpack_commit(data)
+            self._due.extend(entries)
+            self._last = self._last or last
+            return
+        try:
+            sent = unpack(self._keys.topic_of(key), data)
+            self._held[sent.id] = sent
+        except RefusedError as error:
+            self._refusals.note(error)
+
+    def _write_due(self) -> None:
+        """Write as far as the payloads have come: they travel apart from the commits."""
+        while self._due:
+            entry = self._due[0]
+            if not isinstance(entry, Sent):
+                if entry not in self._held:
+                    return
+                entry = self._held.pop(entry)
+            self._due.popleft()
+            self._write(entry)
+
+    def _give_up_first(self) -> None:
+        name = self._due.popleft()
+        assert not isinstance(name, Sent)
+        self.lost.append(name)
+        print(f"lost: message {name[1]} of {name[0]} never came", flush=True)

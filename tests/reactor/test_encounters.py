@@ -1,0 +1,225 @@
+"""People meet the robot: sonar, tracker, decision, motion, closed into a loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+from typing import cast
+
+import numpy as np
+import pytest
+
+from modules.reactor import Scan, Settings, Tracker, react, updated
+from simworld.building import Building, build
+from simworld.people import (
+    Act,
+    Person,
+    RobotInCorridor,
+    Walker,
+    advance,
+    collides,
+    deadline_s,
+    walked,
+)
+from simworld.sonar import SonarRing, echoes
+
+DT_S = 0.05
+ORDINARY_S, FAST_S = 2.0, 0.25
+RING = SonarRing()
+SETTINGS = Settings()
+START_M, LENGTH_M = 3.0, 26.4
+ENTERS_S = 3.0
+SEEDS = 200
+
+
+@cache
+def corridor() -> Building:
+    """A corridor of 26.4 m along y = 0, with junctions at its ends."""
+    return build([0.0, LENGTH_M], [0.0, 20.0], np.array([1, 0, 1, 1], np.uint8), 2.0)
+
+
+def ping(
+    robot: RobotInCorridor,
+    walker: Walker | None,
+    person: Person | None,
+    time_s: float,
+    rng: np.random.Generator,
+) -> Scan:
+    """One ping of a robot that drives east along y = 0."""
+    there = [(walker.s_m, walker.y_m, person.radius_m)] if walker and person else []
+    heard = echoes(RING, corridor(), robot.s_m, robot.y_m, 0.0, rng, there)
+    sigma = RING.sigma_m(np.nan_to_num(heard))
+    return Scan(time_s, heard, sigma, robot.speed_m_s, robot.y_m)
+
+
+@dataclass
+class Mind:
+    """The reactor at work: what it hears, and when what it decides is done.
+
+    Decisions are done ``delay_s`` after they are made; none before ``not_before_s``.
+    """
+
+    delay_s: float = 0.0
+    tracker: Tracker = field(default_factory=Tracker)
+    decided: list[tuple[float, Act]] = field(default_factory=list)
+
+    def hear(self, scan: Scan, not_before_s: float) -> float:
+        """Take in a ping; seconds until the next."""
+        self.tracker = updated(self.tracker, scan)
+        wait_s = FAST_S if self.tracker.wants_attention else ORDINARY_S
+        reaction = react(self.tracker, SETTINGS)
+        if reaction is not None and scan.time_s + FAST_S > not_before_s:
+            self.decided.append((scan.time_s + self.delay_s, cast(Act, reaction.act)))
+        return wait_s
+
+    def act(self, time_s: float) -> Act:
+        """What has been decided and heard by now."""
+        return next((act for at, act in reversed(self.decided) if at <= time_s), "continue")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of an encounter."""
+
+    touched: bool
+    acts: tuple[tuple[float, Act], ...]
+    deadline_s: float
+    robot: RobotInCorridor
+
+    @property
+    def late(self) -> bool:
+        """Whether the first act came after the deadline."""
+        return min((at for at, act in self.acts if act != "continue"), default=0) > self.deadline_s
+
+
+def meet(
+    person: Person,
+    seed: int,
+    delay_s: float = 0.0,
+    wait: bool = False,
+    start_m: float = START_M,
+    lasts_s: float | None = None,
+) -> Outcome:
+    """Drive until the person has passed or been touched, or for ``lasts_s`` seconds.
+
+    With ``wait`` nothing is decided before the deadline.
+    """
+    rng = np.random.default_rng(seed)
+    robot, walker, mind = RobotInCorridor(start_m), None, Mind(delay_s)
+    next_s, due_s, touched, met = float(rng.uniform(0.0, ORDINARY_S)), np.inf, False, False
+    acts: list[tuple[float, Act]] = []
+    for k in range(round((lasts_s or 60.0) / DT_S)):
+        t = k * DT_S
+        if walker is not None and not met:
+            met = True
+            due_s = deadline_s(person, walker, robot, t)
+        if t >= next_s:
+            next_s = t + mind.hear(ping(robot, walker, person, t, rng), due_s if wait else 0.0)
+        act = mind.act(t)
+        if act != (acts[-1][1] if acts else "continue"):
+            acts.append((t, act))
+        walker, robot = walked(person, walker, robot, t, DT_S), advance(robot, act, DT_S)
+        touched = touched or (walker is not None and collides(person, walker, robot))
+        if lasts_s is None and (touched or (met and walker is None)):
+            break
+    return Outcome(touched, tuple(acts), due_s, robot)
+
+
+def stranger(seed: int, yields: bool, appears: str = "ahead") -> Person:
+    """Someone who comes from 7 to 10 m ahead at 0.8 to 1.8 m/s on any line of the corridor."""
+    rng = np.random.default_rng([seed, 7])
+    return Person(
+        ENTERS_S,
+        START_M + 0.085 * ENTERS_S + float(rng.uniform(7.0, 10.0)),
+        float(rng.uniform(0.8, 1.8)),
+        float(rng.uniform(-0.75, 0.75)),
+        yields,
+        appears=appears,  # type: ignore[arg-type]
+    )
+
+
+def touched(
+    yields: bool, delay_s: float = 0.0, wait: bool = False, seeds: int = SEEDS
+) -> list[Person]:
+    """Whom the robot touches, of so many."""
+    met = [(stranger(seed, yields), seed) for seed in range(seeds)]
+    return [who for who, seed in met if meet(who, seed, delay_s, wait).touched]
+
+
+BARELY_TOLD_APART_M = 0.15
+"""Nearer than this to the centre line, sonar hardly tells the side, and a robot 0.6 m to the
+other side has 0.6 - 0.55 = 5 cm to spare: some of them are brushed, and no choice of act helps."""
+
+
+@pytest.mark.parametrize("wait", [False, True], ids=["at once", "by the deadline"])
+def test_who_does_not_yield_is_avoided_by_a_decision_in_time(wait: bool) -> None:
+    hit = touched(yields=False, wait=wait)
+    assert [who for who in hit if abs(who.offset_m) > BARELY_TOLD_APART_M] == []
+    assert len(hit) <= 0.03 * SEEDS
+
+
+def test_who_does_not_yield_is_hit_by_a_decision_six_seconds_late() -> None:
+    assert len(touched(yields=False, delay_s=6.0)) >= 0.5 * SEEDS
+
+
+def test_who_yields_is_never_hit_by_a_decision_in_time() -> None:
+    assert touched(yields=True, seeds=60) == []
+    assert touched(yields=True, wait=True, seeds=60) == []
+
+
+def test_without_a_reactor_most_who_do_not_yield_are_hit() -> None:
+    # The centre line leaves 0.55 m on either side of 0.75: 0.55 / 0.75 = 73 % are hit.
+    hit = touched(yields=False, delay_s=1000.0, seeds=100)
+    assert 62 < len(hit) < 84
+
+
+def test_the_deadline_is_met_but_for_those_whom_an_ordinary_ping_hears_too_late() -> None:
+    met = [meet(stranger(seed, False), seed) for seed in range(60)]
+    assert sum(outcome.late for outcome in met) <= 4
+
+
+@pytest.mark.parametrize("side", ["left door", "right door"])
+def test_who_steps_out_of_a_door_is_avoided(side: str) -> None:
+    met = [(stranger(seed, False, side), seed) for seed in range(30)]
+    hit = [who for who, seed in met if meet(who, seed).touched]
+    assert [who for who in hit if abs(who.offset_m) > BARELY_TOLD_APART_M] == []
+    assert len(hit) <= 1
+
+
+def test_after_the_person_has_passed_the_robot_drives_on_along_the_centre() -> None:
+    for seed in range(20):
+        met = meet(stranger(seed, True), seed, lasts_s=30.0)
+        assert met.acts == () or met.acts[-1][1] == "continue"
+        assert met.robot.y_m == pytest.approx(0.0, abs=1e-9)
+        assert met.robot.speed_m_s > 0
+
+
+@pytest.mark.parametrize("offset_m", [0.0, 0.2, -0.4])
+def test_a_thing_left_in_the_way_is_stopped_for_not_hit(offset_m: float) -> None:
+    box = Person(0.0, 11.0, 0.0, offset_m)
+    for seed in range(10):
+        # From 9.5 m it is 1.5 - 0.55 = 0.95 m: 11 s at 0.085 m/s.
+        met = meet(box, seed, start_m=9.5, lasts_s=40.0)
+        assert not met.touched
+        assert met.acts[-1][1] in ("stop", "slow")
+        assert met.robot.s_m > 9.8  # not stopped for from afar
+
+
+def test_driving_a_plain_corridor_alarms_nobody() -> None:
+    pings = fast = 0
+    false_alarms = []
+    for seed in range(20):
+        rng = np.random.default_rng([seed, 11])
+        robot, mind, t = RobotInCorridor(1.5), Mind(), 0.0
+        while robot.s_m < LENGTH_M:
+            wait_s = mind.hear(ping(robot, None, None, t, rng), 0.0)
+            robot, t = advance(robot, "continue", wait_s), t + wait_s
+            pings, fast = pings + 1, fast + (wait_s == FAST_S)
+        false_alarms += [(seed, at, act) for at, act in mind.decided if act != "continue"]
+    assert pings > 2900
+    assert false_alarms == []
+    assert fast < 0.1 * pings
+
+
+def test_the_same_seed_meets_alike() -> None:
+    assert meet(stranger(3, False), 3) == meet(stranger(3, False), 3)
