@@ -44,6 +44,7 @@ class Sonar(Message, frozen=True):
 
     ping: int
     action: int
+    fired_ns: int
     ranges_m: Floats
 
 
@@ -82,11 +83,12 @@ class Ranges(Message, frozen=True):
     """Distribution of the range to the nearest surface, one Gaussian a transducer.
 
     ``echo`` is the probability that the echo is a real one; where none came back, the mean is
-    NaN and ``echo`` is 0.
+    NaN and ``echo`` is 0. ``fired_ns`` is when the ring was fired.
     """
 
     ping: int
     action: int
+    fired_ns: int
     mean_m: Floats
     sigma_m: Floats
     echo: FiniteFloats

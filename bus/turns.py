@@ -49,11 +49,13 @@ class Turn:
     start_ns: int
     costs: CostModel
     said: list[tuple[Message, tuple[MessageId, ...]]] = field(default_factory=list)
+    works: list[tuple[str, int]] = field(default_factory=list)
     cells: int = 0
     cost_ns: int = 0
 
     def work(self, kind: str, cells: int) -> None:
         """Report work: table entries touched, of a kind that the compute profile prices."""
+        self.works.append((kind, cells))
         self.cells += cells
         self.cost_ns += self.costs.cost_ns(kind, cells)
 

@@ -11,7 +11,7 @@ from bus.coordinator import Coordinator, Done, Grant
 from bus.inbox import Inbox
 from bus.protocol import CommitEntry
 from bus.topics import MODULES, PRIORITY, TOPICS, WORLD
-from bus.turns import Worker
+from bus.turns import Module, Worker
 from bus.wire import MessageId, Sent
 from scenarios.costs import cost_model
 from scenarios.draw import Drawn
@@ -81,13 +81,21 @@ class Ended:
     world: World
 
 
-def run_in_process(scenario: Scenario, drawn: Drawn, write: Callable[[Sent], None]) -> Ended:
-    """Run a scenario from beginning to end; ``write`` gets the log, message by message."""
+def run_in_process(
+    scenario: Scenario,
+    drawn: Drawn,
+    write: Callable[[Sent], None],
+    build: Callable[..., Module] = build_module,
+) -> Ended:
+    """Run a scenario from beginning to end; ``write`` gets the log, message by message.
+
+    ``build`` makes the modules; a test or a tool may put its own in their place.
+    """
     costs = cost_model(scenario.compute)
     workers = {
         name: Worker(
             name,
-            build_module(name, drawn.facts, scenario.modules.get(name, {}), scenario.seed),
+            build(name, drawn.facts, scenario.modules.get(name, {}), scenario.seed),
             costs,
         )
         for name in MODULES

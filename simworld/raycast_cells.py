@@ -17,13 +17,10 @@ from simworld.raycast import ANGLE_SLACK, disc_range, wrapped
 RAYS_PER_TURN = 360
 """The first ray lies on the first axis, so that axes whole degrees apart have rays."""
 
-EDGE_M = 0.3
-"""Where the next ray's hit is this much farther, the end of a wall is looked for between them: on
-a wall seen aslant the hits lie so far apart that the cells of its end may be missed."""
-
-STEPS = 2.0
-"""It is one if the distance jumps there by more than that and the shadow of so many cells, for
-a wall that does not run along the rows has steps of one."""
+EDGE_CELLS = 16.0
+"""Where the distance jumps by more than this a wall ends, and its end echoes, though the rays, far
+apart on a wall seen aslant, may miss the cells there. A wall that does not run along the rows has
+steps of one cell: seen at 3.6 degrees or more they hide no more than this."""
 
 HALVINGS = 5
 """Times that the degree is halved to find such an end: 6 mm are left at 10.7 m."""
@@ -133,7 +130,7 @@ def hear_cells(
     hides something farther. All cells hide what is behind.
     """
     half = half_angle + ANGLE_SLACK
-    step = 2.0 * math.pi / RAYS_PER_TURN
+    step, edge = 2.0 * math.pi / RAYS_PER_TURN, EDGE_CELLS * resolution
     ranges = np.full(len(axes), np.inf)
     last = _march(occupied, resolution, x, y, axes[0] - step, far)
     for j in range(RAYS_PER_TURN):
@@ -152,9 +149,9 @@ def hear_cells(
             near, beyond = beyond, near
             normal = normals[last[1], last[2]]
         # An end beside a cell without a normal has been heard with that cell.
-        if beyond[1] - near[1] > EDGE_M and not math.isnan(normal):
-            at, distance, hidden = _edge(occupied, resolution, x, y, near, beyond, far)
-            if hidden > EDGE_M + STEPS * resolution / math.cos(_incidence(normal, at)):
+        if beyond[1] - near[1] > edge and not math.isnan(normal):
+            at, distance, jump = _edge(occupied, resolution, x, y, near, beyond, far)
+            if jump > edge:
                 _hear(ranges, axes, half, at, distance)
         last = this
     return ranges

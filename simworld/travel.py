@@ -42,7 +42,8 @@ class Senses:
     def ping(self, action: int, people: tuple[tuple[float, float, float], ...] = ()) -> None:
         """Fire the ring once and say what came back."""
         self._pings += 1
-        self._say(Sonar(self._pings, action, self._body.ping(people)))
+        fired_ns = int(self._env.now)
+        self._say(Sonar(self._pings, action, fired_ns, self._body.ping(people)))
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,13 @@ from modules.decider.roads import IMPROBABLE, OPEN, PLANNED, SEEN_ABSENT, Roads
 @njit(cache=True)
 def relax(roads: Roads, belief: NDArray[np.uint8], level: int, field: NDArray[np.float64]) -> None:
     """Lower ``field`` until no corridor at ``level`` or above makes any way shorter."""
-    changed = True
+    last = len(field) - 1
+    changed, northward = True, False
     while changed:
-        changed = False
-        for place in range(len(field)):
+        changed, northward = False, not northward
+        for k in range(last + 1):
+            # to and fro: one sweep follows a way as long as it keeps going that way
+            place = k if northward else last - k
             for d in range(4):
                 corridor = roads.corridor[place, d]
                 if corridor >= 0 and belief[corridor] >= level:

@@ -42,7 +42,7 @@ class Reactor:
         if said.action != 0:
             turn.work("note", 1)
             return
-        time_s = turn.start_ns / 1e9
+        time_s = said.fired_ns / 1e9
         self._lateral_m = self._moved_aside_m(time_s)
         scan = Scan(time_s, said.mean_m, said.sigma_m, said.speed_m_s, self._lateral_m)
         self._tracker = updated(self._tracker, scan)

@@ -114,6 +114,7 @@ def a_run() -> list[Sent]:
     say(65, m.Reading(1, 2, 1, 3, 0.2, 0))
     say(66, m.JunctionLikelihood(1, np.full(16, 0.5), 1, False))
     say(67, m.JunctionLikelihood(1, np.full(16, 0.5), 2, True))
+    say(68, m.JunctionLikelihood(2, np.full(16, 0.5), 0, False))
     say(60, entry(2, "sensing", 40, 70, 60))
     say(240, m.TruePose(0.0, 30.0, 1.57, 2))
     say(250, m.AskedReaction(3, 1, 250 * S, 253 * S))

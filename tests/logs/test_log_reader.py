@@ -104,6 +104,16 @@ def test_a_damaged_log_never_yields_what_was_not_said(
         assert reader.truncated or len(found) == len(expected)
 
 
+def test_a_changed_attachment_is_noticed(run_path: Path, run: list[Sent]) -> None:
+    whole = run_path.read_bytes()
+    assert whole.count(b"seed = 7") == 1
+    run_path.write_bytes(whole.replace(b"seed = 7", b"seed = 8"))
+    reader = read_run(run_path)
+    assert len(list(reader)) == len(run)
+    assert reader.truncated
+    assert "crc validation failed" in reader.problem
+
+
 def _text(path: Path) -> None:
     path.write_text("this is not a log at all\n")
 

@@ -31,7 +31,7 @@ def _row(lines: list[str], begin: str) -> str:
 def test_the_verdict_comes_first(run_path: Path) -> None:
     lines = _lines(run_path)
     assert lines[0] == "two by two, seed 7: 2 of 5 decisions late"
-    assert lines[1] == "600.0 s simulated, ended: done, 29 messages"
+    assert lines[1] == "600.0 s simulated, ended: done, 30 messages"
 
 
 def test_the_ledger_is_a_table_of_100_columns(run_path: Path) -> None:
@@ -93,6 +93,11 @@ def test_words_of_a_log_are_not_taken_for_markup(
 def test_the_title_of_a_run_without_a_name_is_its_path(run_path: Path) -> None:
     nameless = replace(analyse(run_path), metadata={})
     assert title(nameless) == f"{run_path}: 2 of 5 decisions late"
+
+
+def test_a_run_in_time_says_so(run_path: Path) -> None:
+    in_time = replace(analyse(run_path), late=(), verdict="in time")
+    assert title(in_time) == "two by two, seed 7: all 5 decisions in time"
 
 
 def test_times_keep_the_digits_that_matter() -> None:
