@@ -71,17 +71,21 @@ def _near(walls: NDArray[np.float64], x: float, y: float, far: float) -> NDArray
 
 @njit(cache=True)
 def _ends(walls: NDArray[np.float64], x: float, y: float) -> NDArray[np.float64]:
-    """Directions of all wall ends, increasing, the first one again (a turn on) at the end."""
+    """Directions of all wall ends, increasing, the first one again (a turn on) at the end.
+
+    Four more are among them, so that no two that follow each other are farther than a right
+    angle apart, and what lies between them meets a cone in one piece.
+    """
     n = len(walls)
-    if n == 0:
-        return np.array([-math.pi, math.pi])
-    ends = np.empty(2 * n + 1)
+    ends = np.empty(2 * n + 5)
     for k in range(n):
-        ends[k] = math.atan2(walls[k, 1] - y, walls[k, 0] - x)
-        ends[n + k] = math.atan2(walls[k, 3] - y, walls[k, 2] - x)
-    ends[: 2 * n].sort()
+        ends[2 * k] = math.atan2(walls[k, 1] - y, walls[k, 0] - x)
+        ends[2 * k + 1] = math.atan2(walls[k, 3] - y, walls[k, 2] - x)
+    for k in range(4):
+        ends[2 * n + k] = (k - 2) * math.pi / 2.0
+    ends[: 2 * n + 4].sort()
     kept = 1
-    for k in range(1, 2 * n):
+    for k in range(1, 2 * n + 4):
         if ends[k] - ends[kept - 1] > SAME_DIRECTION:
             ends[kept] = ends[k]
             kept += 1
@@ -100,12 +104,12 @@ def _foot(wall: NDArray[np.float64], x: float, y: float) -> tuple[float, float]:
 
 @njit(cache=True)
 def _window(axis: float, half: float, a: float, b: float) -> tuple[float, float]:
-    """Part of the directions [a, b] inside a cone, relative to its axis; low > high for none."""
-    low = wrapped(a - axis)
-    high = low + (b - a)
-    if low > half and high - 2.0 * math.pi >= -half:
-        low, high = low - 2.0 * math.pi, high - 2.0 * math.pi
-    return max(low, -half), min(high, half)
+    """Part of the directions [a, b] inside a cone, relative to its axis; low > high for none.
+
+    Both are less than a half turn wide, so that they meet in one piece around the axis.
+    """
+    middle = wrapped((a + b) / 2.0 - axis)
+    return max(middle - (b - a) / 2.0, -half), min(middle + (b - a) / 2.0, half)
 
 
 @njit(cache=True)

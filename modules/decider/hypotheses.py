@@ -45,7 +45,9 @@ def by_junction_type(
     """
     types = situation.grid.junction_types(situation.maps)[:, situation.place]
     possible = (types & situation.came_from == situation.came_from) & (situation.weights > 0)
-    joined = reached_from(roads, np.array(situation.maps, order="C"), situation.place)
+    joined = reached_from(
+        roads, np.array(situation.maps, dtype=np.uint8, order="C"), situation.place
+    )
     way = joined[:, list(situation.goals)].all(axis=1)
     ends = joined[:, situation.tasks.ravel()].all(axis=1)
     found = {}
@@ -60,7 +62,7 @@ def by_junction_type(
 
 
 def _merged(situation: Situation, rows: NDArray[np.int64]) -> Hypotheses:
-    maps = np.array(situation.maps[rows], order="C")
+    maps = np.array(situation.maps[rows], dtype=np.uint8, order="C")
     number: dict[bytes, int] = {}
     which = [number.setdefault(row.tobytes(), len(number)) for row in maps]
     first = np.unique(which, return_index=True)[1]

@@ -8,8 +8,11 @@ import msgspec
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``hypotheses``: maps considered for each junction type; a number is used even if it
-    cannot be done in time. ``sensing_s``: what classifying a new junction takes.
+    """How much to consider.
+
+    ``hypotheses``: maps considered for each junction type; a number is used even if it cannot
+    be done in time. ``sensing_s``: what classifying a new junction takes. A robot that does not
+    ``explores`` sees no value in knowing the building later.
     """
 
     hypotheses: Annotated[int, msgspec.Meta(ge=1, le=64)] | Literal["as many as fit"] = (

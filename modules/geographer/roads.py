@@ -43,9 +43,7 @@ class Roads:
     def corridor_s(self) -> NDArray[np.float64]:
         """Expected drive time of every corridor, (corridors,)."""
         known = self.drives > 0
-        average = (
-            float(self.total_s.sum() / self.drives.sum()) if known.any() else FIRST_GUESS_S
-        )
+        average = float(self.total_s.sum() / self.drives.sum()) if known.any() else FIRST_GUESS_S
         gap_s = np.where(known, self.total_s / np.maximum(self.drives, 1), average)
         return np.array([gap_s[self._gap(c)] for c in range(self.grid.corridors)])
 

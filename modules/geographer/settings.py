@@ -8,7 +8,9 @@ import msgspec
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``corridor_odds``: prior odds that a corridor exists; ``maps_per_type``: how many maps are
+    """The prior, and how many maps stand for the belief.
+
+    ``corridor_odds``: prior odds that a corridor exists; ``maps_per_type``: how many maps are
     sampled for each junction type that the LDP ahead may have.
     """
 

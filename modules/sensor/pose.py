@@ -34,9 +34,8 @@ def moved(pose: Pose, distance_m: float, turn_rad: float) -> Pose:
     """The pose after driving ``distance_m`` straight and then turning."""
     x_m, y_m, heading_rad = pose.mean
     c, s = math.cos(heading_rad), math.sin(heading_rad)
-    mean = np.array(
-        [x_m + c * distance_m, y_m + s * distance_m, math.remainder(heading_rad + turn_rad, math.tau)]
-    )
+    after_rad = math.remainder(heading_rad + turn_rad, math.tau)
+    mean = np.array([x_m + c * distance_m, y_m + s * distance_m, after_rad])
     by_pose = np.array([[1.0, 0.0, -s * distance_m], [0.0, 1.0, c * distance_m], [0.0, 0.0, 1.0]])
     by_motion = np.array([[c, 0.0], [s, 0.0], [0.0, 1.0]])
     noise = np.diag([(DISTANCE_SHARE * distance_m) ** 2, TURN_SIGMA_RAD**2])

@@ -52,7 +52,15 @@ class Sensor:
         self._driven_m = 0.0
         speed_m_s = self._speed_m_s if driving else 0.0
         turn.say(
-            Ranges(said.ping, said.action, said.fired_ns, belief.mean_m, belief.sigma_m, belief.echo, speed_m_s)
+            Ranges(
+                said.ping,
+                said.action,
+                said.fired_ns,
+                belief.mean_m,
+                belief.sigma_m,
+                belief.echo,
+                speed_m_s,
+            )
         )
 
 

@@ -136,6 +136,19 @@ def test_a_type_that_no_map_has_gets_the_shortest_consistent_step() -> None:
     assert decision.direction[NORTH | SOUTH] == NORTH
 
 
+def test_without_any_hypothesis_every_type_gets_its_consistent_step() -> None:
+    none = replace(
+        SITUATION,
+        maps=np.empty((0, 4), dtype=np.uint8),
+        weights=np.empty(0),
+        log_probability=np.empty(0),
+    )
+    decision = decide(none)
+    assert decision.direction[NE] == NORTH
+    assert decision.direction[EAST] == EAST
+    assert decision.cells == decision.hypotheses == 0
+
+
 def test_waypoints_already_reached_are_dropped() -> None:
     there = decide(replace(SITUATION, waypoints=(0, 0, 3)))
     assert there.known_s[NE] == decide(SITUATION).known_s[NE]

@@ -67,7 +67,7 @@ def test_every_message_comes_back_bit_for_bit(topic: str, data: st.DataObject) -
 
 
 def test_a_read_array_cannot_be_changed() -> None:
-    sent = Sent("percept/sonar", "world", 0, -1, 0, (), m.Sonar(1, 2, np.array([1.0])))
+    sent = Sent("percept/sonar", "world", 0, -1, 0, (), m.Sonar(1, 2, 0, np.array([1.0])))
     back = decode(sent.topic, encode(sent)).message
     assert isinstance(back, m.Sonar)
     with pytest.raises(ValueError, match="read-only"):
@@ -131,11 +131,11 @@ def test_numbers_of_numpy_are_recorded_as_numbers() -> None:
 
 BAD: dict[str, tuple[Any, str]] = {
     "another type": (m.RunEnded("done"), "found a RunEnded, expected a Sonar"),
-    "dtype": (m.Sonar(0, 0, np.array([1])), "'ranges_m': found int64"),
-    "dimensions": (m.Sonar(0, 0, np.zeros((2, 2))), r"shape \(2, 2\)"),
-    "no array": (m.Sonar(0, 0, [1.0]), "message 5 of world"),  # type: ignore[arg-type]
-    "too large": (m.Sonar(2**63, 0, np.zeros(1)), "out of range"),
-    "no number": (m.Sonar("1", 0, np.zeros(1)), "message 5 of world"),  # type: ignore[arg-type]
+    "dtype": (m.Sonar(0, 0, 0, np.array([1])), "'ranges_m': found int64"),
+    "dimensions": (m.Sonar(0, 0, 0, np.zeros((2, 2))), r"shape \(2, 2\)"),
+    "no array": (m.Sonar(0, 0, 0, [1.0]), "message 5 of world"),  # type: ignore[arg-type]
+    "too large": (m.Sonar(2**63, 0, 0, np.zeros(1)), "out of range"),
+    "no number": (m.Sonar("1", 0, 0, np.zeros(1)), "message 5 of world"),  # type: ignore[arg-type]
 }
 
 

@@ -138,7 +138,7 @@ def test_a_chunk_spans_less_than_a_minute_of_simulated_time(
 
 
 def test_a_chunk_ends_by_size_too(make_log: Callable[[list[Sent]], Path]) -> None:
-    sonar = m.Sonar(0, 0, np.zeros(1000))  # 8 kB each
+    sonar = m.Sonar(0, 0, 0, np.zeros(1000))  # 8 kB each
     said = [Sent("percept/sonar", "world", i, i - 1, i, (), sonar) for i in range(30)]
     chunks = _chunks(make_log(said))
     assert len(chunks) > 3
@@ -223,7 +223,7 @@ def test_a_disk_that_fills_up_leaves_what_was_written(tmp_path: Path, small_file
         RunLog(path, EPOCH_NS, {}, {}) as log,
     ):
         for i in range(1000):
-            sonar = m.Sonar(i, 0, rng.random(16))
+            sonar = m.Sonar(i, 0, 0, rng.random(16))
             log.write(Sent("percept/sonar", "world", i, i - 1, i * 3 * S, (), sonar))
     reader = read_run(path)
     said = [sent.sequence for sent in reader]

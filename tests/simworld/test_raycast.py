@@ -140,12 +140,16 @@ def test_other_cones_than_the_rings() -> None:
     assert corner_only == math.inf
 
 
-def test_people_where_there_are_no_walls() -> None:
-    ranges = hear_segments(
-        np.empty((0, 4)), np.empty((0, 2)), np.array([[-3.0, 0.0, 0.5]]),
-        0.0, 0.0, np.array([0.0, math.pi, -math.pi]), HALF, SPECULAR, FAR,
-    )  # fmt: skip
-    assert ranges.tolist() == [math.inf, 2.5, 2.5]
+@pytest.mark.parametrize("off_deg", [-14.0, 0.0, 14.0])
+def test_people_where_there_are_no_walls(off_deg: float) -> None:
+    # Whichever way, a cone of +-15 degrees contains the centre, so the nearest point: 3 - 0.5 m.
+    for direction in np.radians(np.arange(-180, 181, 5)):
+        people = np.array([[3.0 * math.cos(direction), 3.0 * math.sin(direction), 0.5]])
+        axes = np.array([direction - math.radians(off_deg), direction + math.pi])
+        ranges = hear_segments(
+            np.empty((0, 4)), np.empty((0, 2)), people, 0.0, 0.0, axes, HALF, SPECULAR, FAR
+        )
+        assert ranges.tolist() == pytest.approx([2.5, math.inf])
 
 
 def test_the_nearer_of_two_people_is_heard() -> None:
