@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from every_map import all_maps
 
 from modules.geographer import ConnectedMaps
+from tests.geographer.every_map import all_maps
 
 COUNTS = {
     (2, 2): 13,

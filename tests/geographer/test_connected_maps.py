@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from every_map import Floats, all_maps, enumerate_posterior
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -10,6 +9,7 @@ from scipy.stats import chisquare
 
 from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, SOUTH, WEST, Grid
 from modules.geographer import ConnectedMaps, MapBelief, solution
+from tests.geographer.every_map import Floats, all_maps, enumerate_posterior
 
 SMALL = [(1, 2), (2, 1), (1, 3), (3, 1), (2, 2), (3, 2), (2, 3), (4, 2), (3, 3)]
 
