@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from multiprocessing import get_context
 
@@ -25,6 +25,7 @@ from modules.classifier.sensor_model import SHAPE, SensorModel
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
 from modules.detectors.interpret import interpret
 from simworld.building import Building, build
+from simworld.motion import Pose
 from simworld.sonar import SonarRing, echoes
 
 NOMINAL_WIDTH_M = 2.0
@@ -62,22 +63,6 @@ _HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 
 
 class CalibrationError(ValueError):
     """A calibration that cannot be run."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Where a body truly is: metres and radians, ENU."""
-
-    x_m: float
-    y_m: float
-    heading_rad: float
-
-    def after(self, kind: str, amount: float) -> Pose:
-        """The pose after a true motion."""
-        if kind == "turn":
-            return Pose(self.x_m, self.y_m, self.heading_rad + amount)
-        ahead_x, ahead_y = math.cos(self.heading_rad), math.sin(self.heading_rad)
-        return Pose(self.x_m + amount * ahead_x, self.y_m + amount * ahead_y, self.heading_rad)
 
 
 def calibrate(
@@ -220,6 +205,11 @@ def act(
     )
 
 
+def moved(pose: Pose, kind: str, amount: float) -> Pose:
+    """The pose after a true motion: ``kind`` drive or turn."""
+    return pose.after(amount) if kind == "drive" else pose.after(0.0, amount)
+
+
 def ping_poses(steps: Sequence[Step], start: Pose, rng: np.random.Generator) -> list[Pose]:
     """Where the body truly is at each ping."""
     pose = start
@@ -228,7 +218,7 @@ def ping_poses(steps: Sequence[Step], start: Pose, rng: np.random.Generator) -> 
         if step.kind == "ping":
             poses += [pose] * int(step.amount)
         else:
-            pose = pose.after(step.kind, step.amount * float(rng.normal(1.0, ODOMETRY_SHARE)))
+            pose = moved(pose, step.kind, step.amount * float(rng.normal(1.0, ODOMETRY_SHARE)))
     return poses
 
 

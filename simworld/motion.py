@@ -2,13 +2,12 @@
 
 Sensing actions are made of these primitives ("Each feature detector is realized as a control
 process that directs the robot's movement and sensing", paper, section 2). Times are integer
-nanoseconds since the primitive began; poses along the way are closed forms of time.
+nanoseconds.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -27,7 +26,15 @@ class Pose:
     y_m: float
     heading_rad: float
 
-    def after(self, distance_m: float, turn_rad: float) -> Pose:
+    def beside(self, left_m: float) -> Pose:
+        """The pose so far to the left, facing the same way."""
+        return Pose(
+            self.x_m - left_m * math.sin(self.heading_rad),
+            self.y_m + left_m * math.cos(self.heading_rad),
+            self.heading_rad,
+        )
+
+    def after(self, distance_m: float, turn_rad: float = 0.0) -> Pose:
         """The pose after an arc of this length, turning evenly along it."""
         # The chord of an arc is shorter by sinc and leans by half the turn; no turn is no limit.
         chord_m = distance_m * float(np.sinc(turn_rad / (2.0 * math.pi)))
@@ -99,33 +106,6 @@ def duration_ns(primitive: Primitive, rates: Rates) -> int:
     if not math.isfinite(distance_m + turn_rad):
         raise MotionError(f"found {primitive}, expected a finite number")
     return math.ceil((abs(distance_m) / rates.drive_m_s + abs(turn_rad) / rates.turn_rad_s) * 1e9)
-
-
-def pose_at(start: Pose, primitive: Primitive, rates: Rates, elapsed_ns: int) -> Pose:
-    """The pose this long after the primitive began: its first before, its last afterwards."""
-    whole_ns = duration_ns(primitive, rates)
-    share = min(1.0, max(0.0, elapsed_ns / whole_ns)) if whole_ns else 1.0
-    distance_m, turn_rad = _motion(primitive)
-    return start.after(share * distance_m, share * turn_rad)
-
-
-@dataclass(frozen=True)
-class Leg:
-    """One primitive of a course: from when to when, and the pose it begins in."""
-
-    begin_ns: int
-    end_ns: int
-    start: Pose
-    primitive: Primitive
-
-
-def course(start: Pose, primitives: Iterable[Primitive], rates: Rates) -> Iterator[Leg]:
-    """The legs of primitives done one after the other, the first begun at 0."""
-    now_ns, pose = 0, start
-    for primitive in primitives:
-        end_ns = now_ns + duration_ns(primitive, rates)
-        yield Leg(now_ns, end_ns, pose, primitive)
-        now_ns, pose = end_ns, pose.after(*_motion(primitive))
 
 
 def _motion(primitive: Primitive) -> tuple[float, float]:

@@ -15,9 +15,6 @@ import simpy
 
 from bus.grid import OPPOSITE, STEP
 from bus.messages import (
-    DRIVE,
-    PING,
-    TURN,
     ActionEnded,
     Arrival,
     AskedPath,
@@ -28,10 +25,11 @@ from bus.messages import (
     TrueErrand,
     TruePose,
 )
-from simworld.body import HEADING_RAD, PING_NS, Body, Pose
+from simworld.body import HEADING_RAD, Body, primitive
 from simworld.building import Building
 from simworld.deadlines import Deadlines
 from simworld.errands import ErrandQueue, shortest_s
+from simworld.motion import Drive, Ping, Pose, Turn
 from simworld.travel import Senses, Steps, Travel, Way
 from simworld.voice import Mailbox, Speaker
 
@@ -84,7 +82,7 @@ class Robot:
     def live(self, place: int, heading: int, ahead_m: float) -> Steps:
         """Drive to the first LDP, ``ahead_m`` away, then on until there is nothing more to do."""
         self.place, self.heading = place, heading
-        begins = self._centre().ahead(-self._half_m - ahead_m)
+        begins = self._centre().after(-self._half_m - ahead_m)
         self._body.place(begins, 0.0, 0.0)
         behind = self._corridor(place, OPPOSITE[heading])
         yield from self._go(Way(behind, begins, ahead_m), crossing_ns=0, turn_rad=0.0)
@@ -112,9 +110,9 @@ class Robot:
         """Cross the junction, drive the corridor that way, and be at the next LDP."""
         corridor = self._corridor(self.place, direction)
         turn_rad = _turn_rad(self.heading, direction)
-        crossing_ns = self._body.move_ns(2 * self._half_m) + self._body.turn_ns(turn_rad)
+        crossing_ns = self._takes_ns(2 * self._half_m, turn_rad)
         self.heading = direction
-        begins = self._centre().ahead(self._half_m)
+        begins = self._centre().after(self._half_m)
         length_m = self._building.length_m(corridor) - 2 * self._half_m
         x, y = self._building.grid.place(self.place)
         dx, dy = STEP[direction]
@@ -134,7 +132,7 @@ class Robot:
             yield self._env.timeout(crossing_ns)
             self._body.place(way.begins, 2 * self._half_m, turn_rad)
         yield from self._travel.along(way, self.visit)
-        self._body.stop_at_port(self._centre().ahead(-self._half_m))
+        self._body.stop_at_port(self._centre().after(-self._half_m))
         self._senses.odometry()
         self._say(Arrival(self.visit, self.heading, (self._now_ns - began_ns) / 1e9))
         self._say_pose()
@@ -195,29 +193,25 @@ class Robot:
     def _sense(self, motion: Motion) -> Steps:
         """Carry out the steps of a sensing action, having asked what to do after it."""
         self._moves()
-        steps = [(round(kind), amount) for kind, amount in motion.steps.tolist()]
-        self._ask_sensing(motion.action, self._now_ns + sum(self._takes_ns(*s) for s in steps))
-        for kind, amount in steps:
-            if kind == PING:
-                for _ in range(round(amount)):
-                    yield self._env.timeout(PING_NS)
-                    self._senses.ping(motion.action)
-                continue
-            yield self._env.timeout(self._takes_ns(kind, amount))
-            if kind == DRIVE:
-                self._body.drive(amount)
+        steps = [primitive(round(kind), amount) for kind, amount in motion.steps.tolist()]
+        self._ask_sensing(motion.action, self._now_ns + sum(map(self._body.takes_ns, steps)))
+        for step in steps:
+            if isinstance(step, Ping):
+                yield from self._pings(motion.action, step.count)
             else:
-                self._body.turn(amount)
-        self._body.stop_at_port(self._centre().ahead(-self._half_m))
+                yield self._env.timeout(self._body.takes_ns(step))
+                self._body.step(step)
+        self._body.stop_at_port(self._centre().after(-self._half_m))
         self._senses.odometry()
         self._say(ActionEnded(motion.action))
 
-    def _takes_ns(self, kind: int, amount: float) -> int:
-        if kind == DRIVE:
-            return self._body.move_ns(amount)
-        if kind == TURN:
-            return self._body.turn_ns(amount)
-        return PING_NS * round(amount)
+    def _pings(self, action: int, count: int) -> Steps:
+        for _ in range(count):
+            yield self._env.timeout(self._body.takes_ns(Ping(1)))
+            self._senses.ping(action)
+
+    def _takes_ns(self, distance_m: float, turn_rad: float) -> int:
+        return self._body.takes_ns(Drive(distance_m)) + self._body.takes_ns(Turn(turn_rad))
 
     def _way_out(self, junction_type: int) -> Choice:
         """The direction decided for this type; a wall in that direction is found by trying."""
@@ -234,13 +228,13 @@ class Robot:
         """Go where the way should be, find a wall, and come back to the port."""
         self._moves()
         turn_rad = _turn_rad(self.heading, direction)
-        there_ns = self._body.move_ns(self._half_m) + self._body.turn_ns(turn_rad)
+        there_ns = self._takes_ns(self._half_m, turn_rad)
         yield self._env.timeout(there_ns)
         self.visit += 1
         self._say(Blocked(self.visit, direction))
         self._ask_path(self._now_ns + there_ns)
         yield self._env.timeout(there_ns)
-        self._body.stop_at_port(self._centre().ahead(-self._half_m))
+        self._body.stop_at_port(self._centre().after(-self._half_m))
 
 
 def _turn_rad(heading: int, direction: int) -> float:

@@ -9,17 +9,18 @@ from typing import Any, TypeAlias
 import simpy
 
 from bus.messages import Odometry, Sonar
-from simworld.body import PING_NS, Body, Pose
+from simworld.body import Body
 from simworld.drive import CorridorDrive
 from simworld.encounters import Encounters
+from simworld.motion import Pose
 from simworld.people import Act
 from simworld.people import Body as CorridorBody
 from simworld.voice import Speaker
 
 Steps: TypeAlias = Generator[simpy.Event, Any, None]
 
-QUICKEST_PING_NS = PING_NS // 4
-"""The ring fires no more often than four transducers at once allow (assumption)."""
+QUICKEST_PING_NS = 240_000_000
+"""The ring fires no more often: four transducers at once, 40 ms apart (assumption)."""
 
 
 class Senses:
@@ -121,7 +122,7 @@ class Travel:
     def _move(self, drive: CorridorDrive, way: Way, now_ns: int) -> None:
         before_m = drive.robot.s_m
         drive.advance_to(now_ns)
-        here = way.begins.ahead(drive.robot.s_m, drive.robot.y_m)
+        here = way.begins.after(drive.robot.s_m).beside(drive.robot.y_m)
         self._body.place(here, abs(drive.robot.s_m - before_m), 0.0)
 
     def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
@@ -132,5 +133,5 @@ class Travel:
         if walker is None or person is None:
             self._senses.ping(0)
             return
-        at = way.begins.ahead(walker.s_m, walker.y_m)
+        at = way.begins.after(walker.s_m).beside(walker.y_m)
         self._senses.ping(0, ((at.x_m, at.y_m, person.radius_m),))

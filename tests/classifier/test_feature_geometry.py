@@ -16,8 +16,9 @@ from modules.classifier.geometry import (
     presence_table,
 )
 from modules.detectors import views
-from scenarios.calibrate_detectors import Pose, at_port, junction
+from scenarios.calibrate_detectors import at_port, junction
 from simworld.building import Building
+from simworld.motion import Pose
 
 # Wedges in which a feature is, on entering northward: opening, flat wall, convex corner.
 BY_HAND = {

@@ -15,7 +15,8 @@ from modules.detectors.views import (
     detector_code,
     view_of,
 )
-from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, Pose
+from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, moved
+from simworld.motion import Pose
 
 DETECTORS = [(f, w) for f in range(len(FEATURES)) for w in range(WEDGES)]
 
@@ -60,7 +61,7 @@ def test_a_plan_faces_its_target_and_ends_where_it_began(feature: int, wedge: in
     offsets_rad = []
     for kind, amount in plan(feature, wedge, 2.0):
         if kind != "ping":
-            pose = pose.after(kind, amount)
+            pose = moved(pose, kind, amount)
             continue
         x, y = _target_m(feature, wedge)
         bearing = math.atan2(y - pose.y_m, x - pose.x_m)

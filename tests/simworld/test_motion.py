@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from simworld.motion import (
@@ -18,9 +17,7 @@ from simworld.motion import (
     Primitive,
     Rates,
     Turn,
-    course,
     duration_ns,
-    pose_at,
     random_odometer,
 )
 
@@ -46,41 +43,10 @@ def test_durations() -> None:
     assert duration_ns(Drive(1.0), Rates(drive_m_s=3e9)) == 1
 
 
-def test_poses_along_the_way() -> None:
-    # North from (1, 2) at 0.085 m/s: after 4 s 0.34 m.
-    half_way = pose_at(START, Drive(0.85), RATES, 4_000_000_000)
-    assert (half_way.x_m, half_way.y_m) == pytest.approx((1.0, 2.34))
-    assert half_way.heading_rad == START.heading_rad
-    # Clockwise 90 degrees in 6 s: after 2 s 30 degrees less.
-    turning = pose_at(START, Turn(-math.pi / 2), RATES, 2_000_000_000)
-    assert turning.heading_rad == pytest.approx(math.radians(60.0))
-    assert (turning.x_m, turning.y_m) == (1.0, 2.0)
-    assert pose_at(START, Ping(2), RATES, 500) == START
-
-
-@given(primitives, st.integers(-(10**9), 10**12))
-def test_poses_start_at_the_start_and_stay_at_the_end(primitive: Primitive, later: int) -> None:
-    end_ns = duration_ns(primitive, RATES)
-    last = pose_at(START, primitive, RATES, end_ns)
-    assert pose_at(START, primitive, RATES, end_ns + abs(later)) == last
-    if end_ns:
-        assert pose_at(START, primitive, RATES, min(later, 0)) == START
-
-
-@given(st.lists(primitives, max_size=6))
-def test_a_course_has_no_gaps(steps: list[Primitive]) -> None:
-    now_ns, pose = 0, START
-    for leg, step in zip(course(START, steps, RATES), steps, strict=True):
-        assert (leg.begin_ns, leg.start, leg.primitive) == (now_ns, pose, step)
-        now_ns, pose = leg.end_ns, pose_at(leg.start, step, RATES, leg.end_ns - leg.begin_ns)
-    assert now_ns == sum(duration_ns(step, RATES) for step in steps)
-
-
-def test_a_square_leads_home() -> None:
-    *_, last = course(START, [Drive(2.0), Turn(math.pi / 2)] * 4, RATES)
-    end = pose_at(last.start, last.primitive, RATES, last.end_ns)
-    assert (end.x_m, end.y_m) == pytest.approx((1.0, 2.0))
-    assert end.heading_rad == pytest.approx(math.pi / 2 + 2 * math.pi)
+def test_beside_is_to_the_left() -> None:
+    # Facing north, left is west.
+    beside = START.beside(0.5)
+    assert (beside.x_m, beside.y_m, beside.heading_rad) == pytest.approx((0.5, 2.0, math.pi / 2))
 
 
 def test_arc() -> None:
