@@ -16,7 +16,7 @@ Invariants:
 from __future__ import annotations
 
 import heapq
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from bus.wire import MessageId
@@ -55,21 +55,32 @@ class Handled:
     start_ns: int
     end_ns: int
     cells: int
+    said: int = 0
+    """How many messages it said, all at its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What came of a grant."""
+    """What came of a grant; ``said`` in the order of the handlers that said it."""
 
     process: str
     time_ns: int
     handled: tuple[Handled, ...]
     said: tuple[Said, ...]
 
+    def by_handler(self) -> Iterator[tuple[Handled, tuple[Said, ...]]]:
+        """Each handler with what it said."""
+        at = 0
+        for handled in self.handled:
+            yield handled, self.said[at : at + handled.said]
+            at += handled.said
+
 
 @dataclass(slots=True)
 class _Process:
     priority: int
+    shares: bool
+    """Whether it queues for the processors."""
     inbox: list[tuple[int, int, str, int]] = field(default_factory=list)
     free_ns: int = 0
     granted: Grant | None = None
@@ -88,6 +99,7 @@ class Coordinator:
     ``priority`` by process: the lower the number, the earlier in ties and in the queue for
     processors. ``subscribers``: who hears a topic. ``processors``: how many of the processes
     may compute at once (None: one each); a waiting process takes a processor when one is free.
+    ``apart``: processes that need none of these, the world say.
     """
 
     def __init__(
@@ -96,10 +108,14 @@ class Coordinator:
         subscribers: Mapping[str, tuple[str, ...]],
         hop_ns: int,
         processors: int | None = None,
+        apart: tuple[str, ...] = (),
     ) -> None:
         if hop_ns < 1:
             raise CoordinationError(f"hop_ns is {hop_ns}, expected at least 1")
-        self._processes = {name: _Process(p) for name, p in priority.items()}
+        shares = processors is not None
+        self._processes = {
+            name: _Process(p, shares and name not in apart) for name, p in priority.items()
+        }
         self._subscribers = subscribers
         self._hop_ns = hop_ns
         self._processors = processors
@@ -123,14 +139,14 @@ class Coordinator:
 
     def next_ns(self) -> int | None:
         """The earliest time at which a grant is possible, or None while nothing waits."""
-        waiting = [p.next_ns() for p in self._processes.values()]
-        times = [t for t in waiting if t is not None]
-        if not times:
-            return None
-        earliest = min(times)
-        if self._processors is not None and len(self._busy) >= self._processors:
-            earliest = max(earliest, min(self._busy))
-        return max(earliest, self._now_ns)
+        full = self._processors is not None and len(self._busy) >= self._processors
+        free_ns = min(self._busy) if full else 0
+        times = [
+            max(next_ns, free_ns) if process.shares else next_ns
+            for process in self._processes.values()
+            if (next_ns := process.next_ns()) is not None
+        ]
+        return max(min(times), self._now_ns) if times else None
 
     def grants(self, now_ns: int) -> list[Grant]:
         """All that may run at ``now_ns``, the first in priority first."""
@@ -138,13 +154,27 @@ class Coordinator:
             raise CoordinationError(f"time went back from {self._now_ns} to {now_ns} ns")
         self._now_ns = now_ns
         self._busy = [t for t in self._busy if t > now_ns]
-        ready = [
+        ready = sorted(
             (process.priority, name)
             for name, process in self._processes.items()
             if (next_ns := process.next_ns()) is not None and next_ns <= now_ns
-        ]
-        free = None if self._processors is None else self._processors - len(self._busy)
-        return [self._grant(name, now_ns) for _, name in sorted(ready)[:free]]
+        )
+        free = self._free()
+        granted: list[Grant] = []
+        for _, name in ready:
+            if self._processes[name].shares:
+                if free == 0:
+                    continue
+                free -= 1
+            granted.append(self._grant(name, now_ns))
+        return granted
+
+    def _free(self) -> int:
+        """How many processors nobody uses or was granted."""
+        if self._processors is None:
+            return 0
+        granted = sum(p.shares and p.granted is not None for p in self._processes.values())
+        return max(0, self._processors - len(self._busy) - granted)
 
     def _grant(self, name: str, now_ns: int) -> Grant:
         process = self._processes[name]
@@ -163,7 +193,7 @@ class Coordinator:
         self._check(process.granted, done)
         process.granted = None
         process.free_ns = done.handled[-1].end_ns if done.handled else done.time_ns
-        if self._processors is not None and process.free_ns > done.time_ns:
+        if process.shares and process.free_ns > done.time_ns:
             self._busy.append(process.free_ns)
         for said in done.said:
             self.said(said)
@@ -188,6 +218,23 @@ class Coordinator:
                     f"expected it to begin at {at_ns} ns"
                 )
             at_ns = handled.end_ns
+        self._check_said(done)
+
+    def _check_said(self, done: Done) -> None:
+        count = sum(handled.said for handled in done.handled)
+        if count != len(done.said):
+            raise CoordinationError(
+                f"{done.process} at {done.time_ns} ns says {len(done.said)} message(s), "
+                f"its handlers {count}"
+            )
+        for handled, all_said in done.by_handler():
+            for said in all_said:
+                if said.source != done.process or said.said_ns != handled.end_ns:
+                    raise CoordinationError(
+                        f"{done.process}: message {said.sequence} of {said.source} said at "
+                        f"{said.said_ns} ns by a handler that ends at {handled.end_ns} ns, "
+                        f"expected its own, said then"
+                    )
 
     def died(self, process: str) -> None:
         """Forget a process: it hears and says nothing any more."""
@@ -200,8 +247,9 @@ class Coordinator:
         return self._processes[process].alive
 
     def computing(self, process: str, now_ns: int) -> bool:
-        """Whether a process is in a handler at a time."""
-        return self._processes[process].free_ns > now_ns
+        """Whether a process is in a handler, or waits for a processor with something to do."""
+        state = self._processes[process]
+        return state.free_ns > now_ns or bool(state.inbox and state.inbox[0][0] < now_ns)
 
     def waiting_for(self) -> list[str]:
         """The processes with an open grant."""

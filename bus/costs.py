@@ -6,8 +6,10 @@ A profile is a line for each kind of work: so much for starting, so much a cell.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 
 KINDS = (
@@ -46,13 +48,10 @@ class CostModel:
         return round(rate.fixed_ns + rate.cell_ns * cells) + self.extra_ns.get(kind, 0)
 
     def cells_within(self, kind: str, time_ns: int) -> int:
-        """How many cells fit into a time; negative if not even the start does."""
-        rate = self.rates.get(kind, _FREE)
-        left = time_ns - self.extra_ns.get(kind, 0) - rate.fixed_ns
-        if left < 0:
-            return -1
-        # One nanosecond is kept back because cost_ns rounds.
-        return UNLIMITED if rate.cell_ns == 0.0 else int(max(left - 1, 0) / rate.cell_ns)
+        """The most cells whose cost is within a time, at most UNLIMITED; -1 if none is."""
+        # Asked of cost_ns itself: whatever it rounds, the answer fits and one more does not.
+        sizes = range(UNLIMITED + 1)
+        return bisect_right(sizes, time_ns, key=partial(self.cost_ns, kind)) - 1
 
 
 _FREE = Rate()

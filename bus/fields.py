@@ -1,7 +1,7 @@
 """Array fields of messages: what each may hold, checked when it arrives.
 
 A field is annotated with a :class:`Spec`; :func:`check_arrays` refuses an array of another
-dtype or number of dimensions, or one that is not the distribution it claims to be.
+dtype or shape, or one that is not the distribution it claims to be.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import Annotated, Any, TypeAlias, get_type_hints
 import msgspec
 import numpy as np
 
+from bus.grid import JUNCTION_TYPES
+
 
 class FieldError(ValueError):
     """A message's field holds something its type does not allow."""
@@ -20,25 +22,38 @@ class FieldError(ValueError):
 
 @dataclass(frozen=True)
 class Spec:
-    """What an array field must be: its dtype, its dimensions and what its numbers mean."""
+    """What an array field must be: its dtype, its shape and what its numbers mean."""
 
     dtype: str
     dimensions: int
     meaning: str = "any"
     """``any``, ``finite``, ``likelihood`` (finite, not negative, not all zero) or
     ``distribution`` (a likelihood whose last axis sums to one)."""
+    length: int | None = None
+    """Of the last axis, where it is fixed."""
 
 
 Floats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1)]
-Floats2: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite")]
 FiniteFloats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "finite")]
-Likelihood: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "likelihood")]
+FloatPairs: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite", 2)]
+Vector3: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "finite", 3)]
+Matrix3: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite", 3)]
 Distribution: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "distribution")]
-Distributions3: TypeAlias = Annotated[np.ndarray, Spec("float64", 3, "distribution")]
 Ints: TypeAlias = Annotated[np.ndarray, Spec("int64", 1)]
-Ints2: TypeAlias = Annotated[np.ndarray, Spec("int64", 2)]
+IntPairs: TypeAlias = Annotated[np.ndarray, Spec("int64", 2, length=2)]
 Bytes1: TypeAlias = Annotated[np.ndarray, Spec("uint8", 1)]
 Bytes2: TypeAlias = Annotated[np.ndarray, Spec("uint8", 2)]
+
+# One number for each of the 16 junction types.
+TypeDistribution: TypeAlias = Annotated[
+    np.ndarray, Spec("float64", 1, "distribution", JUNCTION_TYPES)
+]
+TypeDistributions: TypeAlias = Annotated[
+    np.ndarray, Spec("float64", 3, "distribution", JUNCTION_TYPES)
+]
+TypeLikelihood: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "likelihood", JUNCTION_TYPES)]
+TypeFloats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, length=JUNCTION_TYPES)]
+TypeBytes: TypeAlias = Annotated[np.ndarray, Spec("uint8", 1, length=JUNCTION_TYPES)]
 
 SUM_TOLERANCE = 1e-9
 
@@ -71,19 +86,23 @@ def _problem(value: Any, spec: Spec) -> str:
             f"found {value.dtype} with shape {value.shape}, "
             f"expected {spec.dtype} with {spec.dimensions} dimension(s)"
         )
+    if spec.length is not None and value.shape[-1] != spec.length:
+        return f"found shape {value.shape}, expected {spec.length} along the last axis"
     return "" if spec.meaning == "any" else _meaning_problem(value, spec.meaning)
 
 
 def _meaning_problem(value: np.ndarray, meaning: str) -> str:
-    # One pass for the common case: a sum is finite only if every number is.
-    total = value.sum(axis=-1) if meaning == "distribution" else value.sum()
-    if not np.isfinite(total).all():
+    if not np.isfinite(value).all():
         return "holds a number that is not finite"
     if meaning == "finite":
         return ""
+    if not value.size:
+        return f"is empty, expected a {meaning}"
     if value.min() < 0.0:
         return f"holds {value.min()}, expected nothing below zero"
     if meaning == "likelihood":
-        return "" if total > 0.0 else "is zero everywhere, expected a positive likelihood"
-    worst = np.abs(total - 1.0).max()
-    return "" if worst <= SUM_TOLERANCE else f"sums to {1.0 + worst:.9g}, expected 1"
+        return "" if value.max() > 0.0 else "is zero everywhere, expected a positive likelihood"
+    with np.errstate(over="ignore"):
+        total = value.sum(axis=-1).ravel()
+    worst = total[np.abs(total - 1.0).argmax()]
+    return "" if abs(worst - 1.0) <= SUM_TOLERANCE else f"sums to {worst:.9g}, expected 1"

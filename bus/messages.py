@@ -14,13 +14,18 @@ from bus.fields import (
     Bytes1,
     Bytes2,
     Distribution,
-    Distributions3,
     FiniteFloats,
+    FloatPairs,
     Floats,
-    Floats2,
+    IntPairs,
     Ints,
-    Ints2,
-    Likelihood,
+    Matrix3,
+    TypeBytes,
+    TypeDistribution,
+    TypeDistributions,
+    TypeFloats,
+    TypeLikelihood,
+    Vector3,
 )
 
 
@@ -98,8 +103,8 @@ class Ranges(Message, frozen=True):
 class PoseBelief(Message, frozen=True):
     """Where the robot is relative to where it began: Gaussian over x, y and heading."""
 
-    mean: FiniteFloats
-    covariance: Floats2
+    mean: Vector3
+    covariance: Matrix3
 
 
 class Reading(Message, frozen=True):
@@ -120,14 +125,14 @@ class JunctionPrior(Message, frozen=True):
     x: int
     y: int
     heading: int
-    prior: Distribution
+    prior: TypeDistribution
 
 
 class JunctionLikelihood(Message, frozen=True):
     """lambda(J) = P(readings of this visit | junction type)."""
 
     visit: int
-    likelihood: Likelihood
+    likelihood: TypeLikelihood
     readings: int
     finished: bool
 
@@ -143,7 +148,7 @@ class MapBelief(Message, frozen=True):
     x: int
     y: int
     heading: int
-    junctions: Distributions3
+    junctions: TypeDistributions
     corridors: FiniteFloats
     corridor_s: FiniteFloats
     log_evidence: float
@@ -176,7 +181,7 @@ class AskedPath(Message, frozen=True):
     decision: int
     visit: int
     waypoints: Ints
-    tasks: Ints2
+    tasks: IntPairs
     expected: FiniteFloats
     asked_ns: int
     until_ns: int
@@ -210,10 +215,10 @@ class PathDecision(Message, frozen=True):
 
     decision: int
     visit: int
-    direction: Bytes1
-    known_s: Floats
-    unknown_s: Floats
-    explores: Bytes1
+    direction: TypeBytes
+    known_s: TypeFloats
+    unknown_s: TypeFloats
+    explores: TypeBytes
     hypotheses: int
 
 
@@ -235,7 +240,7 @@ class Motion(Message, frozen=True):
     after: int
     action: int
     detector: int
-    steps: Floats2
+    steps: FloatPairs
 
 
 DRIVE, TURN, PING = 0, 1, 2

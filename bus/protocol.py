@@ -27,7 +27,9 @@ def unpack_grant(process: str, data: bytes) -> Grant:
 
 def pack_done(done: Done) -> bytes:
     """What came of a grant."""
-    handled = [(h.topic, h.source, h.sequence, h.start_ns, h.end_ns, h.cells) for h in done.handled]
+    handled = [
+        (h.topic, h.source, h.sequence, h.start_ns, h.end_ns, h.cells, h.said) for h in done.handled
+    ]
     said = [(s.topic, s.sequence, s.said_ns) for s in done.said]
     packed: bytes = msgpack.packb((done.process, done.time_ns, handled, said))
     return packed

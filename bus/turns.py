@@ -16,6 +16,7 @@ import numpy as np
 
 from bus.coordinator import Done, Grant, Handled, Said
 from bus.costs import CostModel
+from bus.fields import FieldError, check_arrays
 from bus.messages import Message
 from bus.topics import TOPIC_OF
 from bus.wire import MessageId, Sent
@@ -30,8 +31,16 @@ class Voice:
         self._previous: dict[str, int] = {}
 
     def sent(self, message: Message, said_ns: int, parents: tuple[MessageId, ...]) -> Sent:
-        """Put a message into its envelope. Its arrays become read-only."""
+        """Put a message into its envelope. Its arrays become read-only.
+
+        Raises FieldError where a field holds what every listener would refuse: better the
+        speaker stops, with its own words, than those who wait for it.
+        """
         topic = TOPIC_OF[type(message)].name
+        try:
+            check_arrays(message)
+        except FieldError as error:
+            raise FieldError(f"{self.source} may not say this on {topic}: {error}") from None
         for value in msgspec.structs.astuple(message):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -97,8 +106,9 @@ class Worker:
             turn = Turn(at_ns, self._costs)
             self._handlers[sent.topic](sent.message, turn)
             end_ns = at_ns + turn.cost_ns
+            count = len(turn.said)
             handled.append(
-                Handled(sent.topic, sent.source, sent.sequence, at_ns, end_ns, turn.cells)
+                Handled(sent.topic, sent.source, sent.sequence, at_ns, end_ns, turn.cells, count)
             )
             for message, parents in turn.said:
                 out.append(self._voice.sent(message, end_ns, (sent.id, *parents)))

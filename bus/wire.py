@@ -1,6 +1,7 @@
 """From a message to bytes and back: msgpack on the wire, types checked by msgspec on arrival.
 
-Arrays travel as one ext type (dtype, shape, raw bytes) and are read without a copy.
+Arrays travel as one ext type (dtype, shape, raw bytes) and are read without a copy: read-only,
+C-ordered and aligned, so that sums over them come out as they do at the sender.
 """
 
 from __future__ import annotations
@@ -19,6 +20,12 @@ from bus.topics import TOPICS
 ARRAY_EXT = 1
 DTYPES = {"float64": 0, "int64": 1, "uint8": 2}
 DTYPE_OF = {code: np.dtype(name) for name, code in DTYPES.items()}
+
+_WORD = 8
+"""Arrays begin at a multiple of this, which numpy and numba take as aligned."""
+
+_LONGEST_NAME = 64
+"""A source's name with more letters is no name: it must not flood outputs and logs."""
 
 MessageId: TypeAlias = tuple[str, int]
 """(source, sequence): names one message of a run."""
@@ -61,18 +68,23 @@ def _pack_hook(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         head = bytes((DTYPES[value.dtype.name], value.ndim))
         shape = np.array(value.shape, dtype="<u4").tobytes()
-        return msgpack.ExtType(ARRAY_EXT, head + shape + np.ascontiguousarray(value).tobytes())
+        padded = (head + shape).ljust(_data_starts(value.ndim), b"\0")
+        return msgpack.ExtType(ARRAY_EXT, padded + value.tobytes())
     if isinstance(value, (np.integer, np.floating, np.bool_)):
         return value.item()
     raise TypeError(f"cannot send a {type(value).__name__}")
 
 
+def _data_starts(dimensions: int) -> int:
+    return -(-(2 + 4 * dimensions) // _WORD) * _WORD
+
+
 def _unpack_array(code: int, data: bytes) -> Any:
     if code != ARRAY_EXT:
         raise ValueError(f"found ext type {code}, expected {ARRAY_EXT} (an array)")
-    if len(data) < 2 or data[0] not in DTYPE_OF or len(data) < 2 + 4 * data[1]:
+    if len(data) < 2 or data[0] not in DTYPE_OF or len(data) < _data_starts(data[1]):
         raise ValueError("an array without dtype and shape")
-    start = 2 + 4 * data[1]
+    start = _data_starts(data[1])
     shape = np.frombuffer(data, dtype="<u4", count=data[1], offset=2)
     # count is checked by reshape; frombuffer's arrays are read-only, as messages must be
     return np.frombuffer(data, dtype=DTYPE_OF[data[0]], offset=start).reshape(shape)
@@ -113,12 +125,16 @@ def unpack(topic: str, data: bytes) -> Sent:
 
 
 def _named(source: Any, sequence: Any) -> bool:
-    return isinstance(source, str) and type(sequence) is int
+    return (
+        isinstance(source, str)
+        and len(source) <= _LONGEST_NAME
+        and type(sequence) is int
+        and -(2**63) <= sequence < 2**63  # what the log can hold
+    )
 
 
 def _check_envelope(source: Any, sequence: Any, previous: Any, said_ns: Any, parents: Any) -> None:
-    numbers = (sequence, previous, said_ns)
-    if not isinstance(source, str) or any(type(n) is not int for n in numbers):
+    if not all(_named(source, number) for number in (sequence, previous, said_ns)):
         raise FieldError("the envelope is not (source, sequence, previous, said_ns, ...)")
     if not isinstance(parents, tuple) or any(
         not isinstance(p, tuple) or len(p) != 2 or not _named(*p) for p in parents

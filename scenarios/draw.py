@@ -16,7 +16,13 @@ from simworld.encounters import Coming
 from simworld.errands import Errand
 from simworld.floor_plan import FloorPlanError, read_floor_plan
 from simworld.registration import register
-from simworld.settings import PersonSettings, check_place, corridor_between, corridors_of
+from simworld.settings import (
+    PersonSettings,
+    WorldSettings,
+    check_place,
+    corridor_between,
+    corridors_of,
+)
 from simworld.sonar import Surroundings
 from simworld.world import DIRECTION, Plan
 
@@ -33,15 +39,14 @@ def draw(scenario: Scenario, name: str) -> Drawn:
     """Draw the world of a scenario with its seed. Raises ScenarioError beginning with ``name``."""
     try:
         return _draw(scenario)
-    except (BuildingError, FloorPlanError, ScenarioError) as error:
+    except (BuildingError, ScenarioError) as error:
         raise ScenarioError(f"{name}: {error}") from None
 
 
 def _draw(scenario: Scenario) -> Drawn:
     settings = scenario.world
     rng = np.random.default_rng([scenario.seed, 0])
-    corridors = corridors_of(settings, rng)
-    building = build(settings.columns_m, settings.rows_m, corridors, settings.corridor_width_m)
+    building = _building(settings, rng)
     start, heading = _start(scenario, building, rng)
     plan = Plan(
         settings=settings,
@@ -50,10 +55,44 @@ def _draw(scenario: Scenario) -> Drawn:
         start=start,
         heading=heading,
         errands=_errands(scenario, building, rng),
-        people=tuple(_coming(person, building.grid, k) for k, person in enumerate(settings.person)),
+        people=tuple(_coming(person, building, k) for k, person in enumerate(settings.person)),
     )
     facts = Facts(building.grid.columns, building.grid.rows, start, heading, settings.speed_m_s)
     return Drawn(plan, facts)
+
+
+def _building(settings: WorldSettings, rng: np.random.Generator) -> Building:
+    columns, rows = len(settings.columns_m), len(settings.rows_m)
+    if not columns or not rows or columns * rows < 2:
+        raise ScenarioError(
+            f"world.columns_m and world.rows_m: found {columns} and {rows} lines, expected at "
+            f"least one each and two intersections"
+        )
+    corridors = corridors_of(settings, rng)
+    _check_connected(Grid(columns, rows), corridors)
+    try:
+        return build(settings.columns_m, settings.rows_m, corridors, settings.corridor_width_m)
+    except BuildingError as error:
+        raise ScenarioError(f"world.{error}") from None
+
+
+def _check_connected(grid: Grid, corridors: NDArray[np.uint8]) -> None:
+    """All LDPs are connected (paper, section 3); says which corridors are not."""
+    present = np.flatnonzero(corridors)
+    if not present.size:
+        raise ScenarioError("world.corridors: found none, expected at least one")
+    reached, grew = {grid.ends(int(present[0]))[0]}, True
+    while grew:
+        ends = [grid.ends(int(c)) for c in present]
+        more = {place for pair in ends if reached & set(pair) for place in pair} - reached
+        reached, grew = reached | more, bool(more)
+    apart = [a_b for a_b in ends if not reached & set(a_b)]
+    if apart:
+        pairs = ", ".join(f"{list(grid.place(a))}-{list(grid.place(b))}" for a, b in apart)
+        raise ScenarioError(
+            f"world.corridors: found {pairs} apart from {list(grid.place(min(reached)))} and what "
+            f"it leads to, expected one connected building"
+        )
 
 
 def _surroundings(scenario: Scenario, building: Building) -> Surroundings:
@@ -61,8 +100,11 @@ def _surroundings(scenario: Scenario, building: Building) -> Surroundings:
     settings = scenario.world
     if settings.floor_plan is None:
         return building
-    plan = read_floor_plan(Path(settings.floor_plan))
-    return register(plan, settings.columns_m, settings.rows_m).plan
+    try:
+        plan = read_floor_plan(Path(settings.floor_plan))
+        return register(plan, settings.columns_m, settings.rows_m).plan
+    except FloorPlanError as error:
+        raise ScenarioError(f"world.floor_plan: {error}") from None
 
 
 def _junctions(building: Building) -> NDArray[np.int64]:
@@ -118,7 +160,7 @@ def _errands(
     return tuple(errands)
 
 
-def _coming(person: PersonSettings, grid: Grid, number: int) -> Coming:
+def _coming(person: PersonSettings, building: Building, number: int) -> Coming:
     named = person.enters.corridor
     if named is None:
         return Coming(person, None)
@@ -127,4 +169,7 @@ def _coming(person: PersonSettings, grid: Grid, number: int) -> Coming:
         (ax, ay), (bx, by) = (tuple(map(int, end.split(","))) for end in named.split("-"))
     except ValueError:
         raise ScenarioError(f'{key}: found {named!r}, expected a pair as "0,0-1,0"') from None
-    return Coming(person, corridor_between(grid, (ax, ay), (bx, by), key))
+    corridor = corridor_between(building.grid, (ax, ay), (bx, by), key)
+    if not building.corridors[corridor]:
+        raise ScenarioError(f"{key}: found {named!r}, expected a corridor of the building")
+    return Coming(person, corridor)

@@ -33,6 +33,7 @@ def coordinator_of(scenario: Scenario) -> Coordinator:
         HEARERS,
         round(scenario.bus.hop_s * 1e9),
         None if processors == "one each" else processors,
+        apart=(WORLD,),
     )
 
 

@@ -6,10 +6,8 @@ key, what was found and what was expected.
 
 from __future__ import annotations
 
-import difflib
-import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,10 +16,13 @@ import msgspec
 
 from bus.costs import KINDS
 from bus.topics import MODULES
+from scenarios.explain import explained, one_of, out_of_range, shown
 from scenarios.modules import settings_type
 from simworld.settings import ErrandSettings, NotNegative, RandomErrands, WorldSettings
 
 SHIPPED = Path(__file__).parent
+FIRST_YEAR, LAST_YEAR = 1970, 2500
+"""Time in a log is nanoseconds since 1970 in 64 bits; a run may take decades of them."""
 
 
 class ScenarioError(ValueError):
@@ -51,6 +52,10 @@ class Expect(_Table, frozen=True):
     collisions: Annotated[int, msgspec.Meta(ge=0)] | None = None
 
 
+CONDITIONS = ("late", "slack_at_least_s", "errands_done", "true_map_at_least", "collisions")
+"""What an expectation may ask for; ``decision`` only says of which decisions."""
+
+
 class Fault(_Table, frozen=True):
     """A process that is killed at a simulated time."""
 
@@ -62,7 +67,7 @@ class BusSettings(_Table, frozen=True):
     """Where the hub listens on loopback (0: any free port) and how long a hop takes."""
 
     port: Annotated[int, msgspec.Meta(ge=0, le=65535)] = 0
-    hop_s: Annotated[float, msgspec.Meta(gt=0)] = 1e-4
+    hop_s: Annotated[float, msgspec.Meta(ge=1e-9, le=1.0)] = 1e-4
 
 
 class Scenario(_Table, frozen=True):
@@ -71,7 +76,7 @@ class Scenario(_Table, frozen=True):
     about: str
     world: WorldSettings
     seed: Annotated[int, msgspec.Meta(ge=0)] = 1
-    epoch: datetime = datetime(2026, 1, 1, tzinfo=UTC)
+    epoch: Annotated[datetime, msgspec.Meta(tz=True)] = datetime(2026, 1, 1, tzinfo=UTC)
     errand: tuple[ErrandSettings, ...] = ()
     random_errands: RandomErrands | None = None
     compute: Compute = Compute()
@@ -109,33 +114,34 @@ def load(path: Path, changes: Sequence[str] = (), seed: int | None = None) -> Sc
     """Read a scenario; ``changes`` are KEY=VALUE as on the command line. Raises ScenarioError."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: {error}") from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: found {error.strerror}, expected a readable file") from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: found {error}, expected text in UTF-8") from None
     except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: found broken TOML, {error}") from None
+        raise ScenarioError(f"{path}: found {error}, expected TOML") from None
     for change in changes:
         _apply(table, change)
     if seed is not None:
         table["seed"] = seed
-    return check(table, str(path))
+    return check(table, " ".join([str(path), *(f"--set {change}" for change in changes)]))
 
 
 def check(table: Mapping[str, Any], name: str) -> Scenario:
     """A scenario from its table. Raises ScenarioError that begins with ``name``."""
+    unusable = out_of_range(table)
+    if unusable:
+        raise ScenarioError(f"{name}: {unusable}")
     scenario: Scenario = _converted(table, Scenario, name, "")
     for module, settings in scenario.modules.items():
         if module not in MODULES:
             raise ScenarioError(
                 f"{name}: modules.{module}: found an unknown module, "
-                f"expected one of {', '.join(sorted(MODULES))}"
+                f"{one_of(module, sorted(MODULES))}"
             )
         _converted(settings, settings_type(module), name, f"modules.{module}")
-    for kind in scenario.compute.slower:
-        if kind not in KINDS:
-            raise ScenarioError(
-                f"{name}: compute.slower.{kind}: found an unknown kind of work, "
-                f"expected one of {', '.join(KINDS)}"
-            )
+    for said in _contradictions(scenario):
+        raise ScenarioError(f"{name}: {said}")
     return scenario
 
 
@@ -143,72 +149,37 @@ def _converted(table: Any, kind: type[Any], name: str, under: str) -> Any:
     try:
         return msgspec.convert(table, kind)
     except msgspec.ValidationError as error:
-        raise ScenarioError(f"{name}: {_explained(str(error), table, kind, under)}") from None
+        raise ScenarioError(f"{name}: {explained(error, table, kind, under)}") from None
 
 
-def _explained(text: str, table: Any, kind: type[Any], under: str) -> str:
-    """A validation error with its key in front and what was found."""
-    match = re.fullmatch(r"(.*?)(?: - at `(?:key in )?\$(.*)`)?", text)
-    message, where = (match[1], match[2] or "") if match else (text, "")
-    key = ".".join(part for part in (under, where.replace("[...]", "").lstrip(".")) if part)
-    unknown = re.fullmatch(r"Object contains unknown field `(.*)`", message)
-    if unknown:
-        key = f"{key}.{unknown[1]}" if key else unknown[1]
-        return f"{key}: found an unknown key{_did_you_mean(unknown[1], where, kind)}"
-    found = _found(table, where)
-    return f"{key or 'the file'}: found {found}, {message[0].lower()}{message[1:]}"
-
-
-def _found(table: Any, where: str) -> str:
-    value = table
-    for name, index in re.findall(r"\.([A-Za-z_]\w*)|\[(\d+)\]", where):
-        try:
-            value = value[name] if name else value[int(index)]
-        except (KeyError, IndexError, TypeError):
-            return "something else"
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _did_you_mean(unknown: str, where: str, kind: type[Any]) -> str:
-    names = _fields_at(kind, where)
-    near = difflib.get_close_matches(unknown, names, n=1)
-    if near:
-        return f", expected {near[0]}?"
-    return f", expected one of {', '.join(names)}" if names else ""
-
-
-def _fields_at(kind: type[Any], where: str) -> list[str]:
-    """The keys that a table may have, by following the path of an error through the types."""
-    info: Any = msgspec.inspect.type_info(kind)
-    for name in re.findall(r"\.([A-Za-z_]\w*)", where):
-        fields = {field.encode_name: field.type for field in getattr(info, "fields", ())}
-        info = _struct_in(fields.get(name))
-    return [field.encode_name for field in getattr(info, "fields", ())]
-
-
-def _struct_in(info: Any) -> Any:
-    if isinstance(info, msgspec.inspect.UnionType):
-        inner = [_struct_in(member) for member in info.types]
-        return next((i for i in inner if isinstance(i, msgspec.inspect.StructType)), None)
-    if isinstance(info, msgspec.inspect.VarTupleType):
-        return _struct_in(info.item_type)
-    return info
+def _contradictions(scenario: Scenario) -> Iterator[str]:
+    """What each key alone would not show."""
+    for kind in scenario.compute.slower:
+        if kind not in KINDS:
+            yield f"compute.slower.{kind}: found an unknown kind of work, {one_of(kind, KINDS)}"
+    if not FIRST_YEAR <= scenario.epoch.year <= LAST_YEAR:
+        yield f"epoch: found {scenario.epoch.year}, expected a year from {FIRST_YEAR} to {LAST_YEAR}"
+    if scenario.errand and scenario.random_errands:
+        yield "random_errands: found beside [[errand]], expected only one of the two"
+    for k, expect in enumerate(scenario.expect):
+        if not any(getattr(expect, condition) is not None for condition in CONDITIONS):
+            yield f"expect[{k}]: found no condition, expected one of {', '.join(CONDITIONS)}"
 
 
 def _apply(table: dict[str, Any], change: str) -> None:
     """Carry out one KEY=VALUE: dots lead into tables, the value is TOML or else a string."""
     key, equals, text = change.partition("=")
-    if not equals or not key.strip():
+    *parents, last = names = key.strip().split(".")
+    if not equals or not all(names):
         raise ScenarioError(f"--set {change}: found no KEY=VALUE, expected for example seed=2")
     try:
         value = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         value = text
-    *parents, last = key.strip().split(".")
     inner: Any = table
-    for parent in parents:
-        inner = inner.setdefault(parent, {}) if isinstance(inner, dict) else None
-    if not isinstance(inner, dict):
-        raise ScenarioError(f"--set {key}: found no table to put it in")
+    for k, parent in enumerate(parents):
+        inner = inner.setdefault(parent, {})
+        if not isinstance(inner, dict):
+            found = f"{'.'.join(parents[: k + 1])} = {shown(inner)}"
+            raise ScenarioError(f"--set {change}: found {found}, expected a table there")
     inner[last] = value

@@ -106,13 +106,12 @@ class VirtualClock:
         self._arm()
 
     def _remember(self, done: Done) -> None:
-        for said in done.said:
-            self._note(said, (said.source, said.sequence))
-        for handled in done.handled:
+        for handled, all_said in done.by_handler():
             self.handlers_run += 1
             self._span(done.process, handled)
-            for said in done.said:
-                if said.said_ns == handled.end_ns and said.topic.startswith("decision/"):
+            for said in all_said:
+                self._note(said, (said.source, said.sequence))
+                if said.topic.startswith("decision/"):
                     self._decided_by[said.source, said.sequence] = handled
 
     def _span(self, process: str, handled: Handled) -> None:

@@ -208,10 +208,18 @@ def _yaml(path: Path) -> dict[str, Any]:
     try:
         values = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise FloorPlanError(f"{path}: found {error}, expected a map_server YAML file") from error
+        found = " ".join(_said(error).split())
+        raise FloorPlanError(f"{path}: found {found}, expected a map_server YAML file") from error
     if not isinstance(values, dict):
-        raise FloorPlanError(f"{path}: found {type(values).__name__}, expected keys and values")
+        raise FloorPlanError(
+            f"{path}: found {type(values).__name__}, expected keys and values as map_server's"
+        )
     return values
+
+
+def _said(error: Exception) -> str:
+    """What the system said, without the number and the path that the message has already."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def _grey(path: Path) -> NDArray[np.float64]:
@@ -221,8 +229,10 @@ def _grey(path: Path) -> NDArray[np.float64]:
             if image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
                 raise FloorPlanError(f"{path}: found mode {image.mode}, expected 8 bits a channel")
             channels = np.asarray(image.convert("RGB"), dtype=np.float64)
-    except (OSError, UnidentifiedImageError) as error:
-        raise FloorPlanError(f"{path}: found {error}, expected an image file") from error
+    except UnidentifiedImageError as error:
+        raise FloorPlanError(f"{path}: found no image in it, expected an image file") from error
+    except OSError as error:
+        raise FloorPlanError(f"{path}: found {_said(error)}, expected an image file") from error
     return np.ascontiguousarray(channels.mean(axis=2)[::-1] / 255.0)
 
 

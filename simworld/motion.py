@@ -36,9 +36,10 @@ class Pose:
 
     def after(self, distance_m: float, turn_rad: float = 0.0) -> Pose:
         """The pose after an arc of this length, turning evenly along it."""
-        # The chord of an arc is shorter by sinc and leans by half the turn; no turn is no limit.
-        chord_m = distance_m * float(np.sinc(turn_rad / (2.0 * math.pi)))
-        along = self.heading_rad + turn_rad / 2.0
+        # The chord of an arc is shorter by sin(a) / a and leans by a, half the turn.
+        half_rad = turn_rad / 2.0
+        chord_m = distance_m * math.sin(half_rad) / half_rad if half_rad else distance_m
+        along = self.heading_rad + half_rad
         return Pose(
             self.x_m + chord_m * math.cos(along),
             self.y_m + chord_m * math.sin(along),

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from bus.grid import Grid
 from simworld.building import BuildingError, random_connected
 
-Positive: TypeAlias = Annotated[float, msgspec.Meta(gt=0)]
-NotNegative: TypeAlias = Annotated[float, msgspec.Meta(ge=0)]
+Positive: TypeAlias = Annotated[float, msgspec.Meta(gt=0, le=1e9)]
+NotNegative: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1e9)]
 Share: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Place: TypeAlias = tuple[int, int]
 Letter: TypeAlias = Literal["N", "E", "S", "W"]
@@ -26,7 +26,7 @@ class RandomCorridors(_Settings, frozen=True):
     """A random connected map, drawn with the run's seed."""
 
     random: Literal[True]
-    density: Share = 0.6
+    density: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.6
 
 
 class Start(_Settings, frozen=True):
@@ -77,7 +77,7 @@ class ErrandSettings(_Settings, frozen=True, rename={"start": "from", "goal": "t
 class RandomErrands(_Settings, frozen=True):
     """So many errands between junctions of the building, drawn with the run's seed."""
 
-    count: Annotated[int, msgspec.Meta(ge=1)]
+    count: Annotated[int, msgspec.Meta(ge=1, le=10_000)]
     expected_again: NotNegative = 0.0
 
 
@@ -89,9 +89,9 @@ class WorldSettings(_Settings, frozen=True):
     corridors: Literal["all"] | tuple[tuple[Place, Place], ...] | RandomCorridors = "all"
     corridor_width_m: Positive = 2.0
     floor_plan: str | None = None
-    speed_m_s: Positive = 0.085
+    speed_m_s: Annotated[float, msgspec.Meta(ge=1e-3, le=10)] = 0.085
     start: Start | Literal["anywhere"] = "anywhere"
-    ping_period_s: Positive = 2.0
+    ping_period_s: Annotated[float, msgspec.Meta(ge=0.01, le=3600)] = 2.0
     patience_s: Positive = 600.0
     until_s: Positive = 86_400.0
     person: tuple[PersonSettings, ...] = ()

@@ -7,28 +7,53 @@ transducers is what tells on which side of the centre line a person walks.
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
-Flags: TypeAlias = NDArray[np.bool_]
+
+HALF_ANGLE_RAD = math.radians(15.0)
+AXES_RAD: Floats = np.deg2rad([0.0, 15.0, -15.0])
+"""Where the three transducers that look ahead point; a *cone* is an index into this."""
+
+EDGES: Floats = np.stack(
+    [
+        np.cos(AXES_RAD + HALF_ANGLE_RAD),
+        np.sin(AXES_RAD + HALF_ANGLE_RAD),
+        np.cos(AXES_RAD - HALF_ANGLE_RAD),
+        np.sin(AXES_RAD - HALF_ANGLE_RAD),
+    ],
+    axis=1,
+)
+"""Unit vectors along the left and the right edge of each cone, (cones, 4)."""
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def heard_in_cone(
-    ahead_m: Floats, left_m: Floats, radius_m: float, axis_rad: float, half_angle_rad: float
-) -> tuple[Floats, Flags]:
+    ahead_m: float, left_m: float, radius_m: float, cone: int
+) -> tuple[float, bool]:
     """Range to a disc's nearest point in a cone at the origin, and whether the cone holds any.
 
-    ``ahead_m`` and ``left_m`` are the disc's centre in the robot's frame (x ahead, y left);
-    they broadcast, and so do the answers. Where nothing is heard the range is that of the
-    nearest edge of the cone, a lower bound that is of no use.
+    ``ahead_m`` and ``left_m`` are the disc's centre in the robot's frame (x ahead, y left).
+    Where nothing is heard the range is of no use.
     """
-    away = np.maximum(np.hypot(ahead_m, left_m), radius_m * 1.0001)
-    bearing = np.arctan2(left_m, ahead_m)
-    looks = np.clip(bearing, axis_rad - half_angle_rad, axis_rad + half_angle_rad)
-    off = looks - bearing
-    heard: Flags = np.abs(off) <= np.arcsin(radius_m / away)
-    inside = np.maximum(radius_m**2 - (away * np.sin(off)) ** 2, 0.0)
-    return away * np.cos(off) - np.sqrt(inside), heard
+    away = math.sqrt(ahead_m * ahead_m + left_m * left_m)
+    if away < radius_m * 1.0001:  # inside the disc: as if at its rim
+        return 0.0001 * radius_m, ahead_m > 0.0
+    beyond_left = EDGES[cone, 0] * left_m - EDGES[cone, 1] * ahead_m
+    beyond_right = EDGES[cone, 3] * ahead_m - EDGES[cone, 2] * left_m
+    if beyond_left <= 0.0 and beyond_right <= 0.0:
+        return away - radius_m, True
+    if beyond_left > 0.0:
+        along = EDGES[cone, 0] * ahead_m + EDGES[cone, 1] * left_m
+        inside = radius_m * radius_m - beyond_left * beyond_left
+    else:
+        along = EDGES[cone, 2] * ahead_m + EDGES[cone, 3] * left_m
+        inside = radius_m * radius_m - beyond_right * beyond_right
+    if inside < 0.0 or along < 0.0:
+        return along, False
+    return along - math.sqrt(inside), True
