@@ -236,11 +236,19 @@ class Coordinator:
                         f"expected its own, said then"
                     )
 
-    def died(self, process: str) -> None:
-        """Forget a process: it hears and says nothing any more."""
+    def died(self, process: str, now_ns: int | None = None) -> None:
+        """Forget a process: it hears and says nothing any more.
+
+        What its last handler would have said after ``now_ns`` (None: after the last grants) is
+        never heard.
+        """
+        heard_ns = (self._now_ns if now_ns is None else now_ns) + self._hop_ns
         state = self._processes[process]
         state.alive, state.granted = False, None
         state.inbox.clear()
+        for other in self._processes.values():
+            other.inbox = [m for m in other.inbox if m[2] != process or m[0] <= heard_ns]
+            heapq.heapify(other.inbox)
 
     def alive(self, process: str) -> bool:
         """Whether a process still takes part."""

@@ -9,6 +9,18 @@ class GapError(RuntimeError):
     """A message was lost on its way: which, between which two."""
 
 
+class LostPayloadError(RuntimeError):
+    """Payloads that a grant names did not come: which, to whom, when."""
+
+    def __init__(
+        self, process: str, time_ns: int, missing: list[MessageId], patience_s: float
+    ) -> None:
+        super().__init__(
+            f"{process}: granted {missing} at {time_ns} ns, "
+            f"but they did not come within {patience_s:g} s"
+        )
+
+
 class Inbox:
     """Payloads by (source, sequence), with an eye on gaps.
 

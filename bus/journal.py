@@ -26,6 +26,11 @@ class Journal(Generic[Entry]):
         rank = PRIORITY.get(said.source, len(PRIORITY))
         heapq.heappush(self._heap, (said.said_ns, rank, said.source, said.sequence, entry))
 
+    def drop(self, source: str, after_ns: int) -> None:
+        """Forget what a source would have said after a time: it is gone."""
+        self._heap = [e for e in self._heap if e[2] != source or e[0] <= after_ns]
+        heapq.heapify(self._heap)
+
     def before(self, now_ns: int | None) -> list[Entry]:
         """All entries said before ``now_ns`` (None: all that are left), in order."""
         out: list[Entry] = []

@@ -1,8 +1,9 @@
 """The zenoh star: one router-mode session, every other process a client of it.
 
 Keys are ``waywiser/RUN/t/TOPIC`` for messages, ``.../grant/PROCESS`` and ``.../done`` for the
-clock, ``.../commit`` for the recorder, ``.../alive/PROCESS`` for liveliness. RUN is unique to
-a launch, so a straggler of another run is never heard.
+clock, ``.../commit`` for the recorder, ``.../refused`` for what was not let in,
+``.../alive/PROCESS`` for liveliness. RUN is unique to a launch, so a straggler of another run
+is never heard.
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ class Keys:
         self.root = f"waywiser/{run}"
         self.done = f"{self.root}/done"
         self.commit = f"{self.root}/commit"
+        self.refused = f"{self.root}/refused"
+        self.every_topic = f"{self.root}/t/**"
         self.all_alive = f"{self.root}/alive/*"
 
     def topic(self, name: str) -> str:

@@ -141,7 +141,7 @@ class MapBelief(Message, frozen=True):
     """The posterior over all connected maps, as marginals and as a weighted set of maps.
 
     ``maps`` come grouped so that for each junction type at (x, y) any first few are an exact
-    sample given that type. ``corridor_s`` is the time to drive each corridor as far as known.
+    sample given that type. ``drive_s`` is the time to drive each corridor as far as known.
     """
 
     visit: int
@@ -150,7 +150,7 @@ class MapBelief(Message, frozen=True):
     heading: int
     junctions: TypeDistributions
     corridors: FiniteFloats
-    corridor_s: FiniteFloats
+    drive_s: FiniteFloats
     log_evidence: float
     entropy: float
     maps: Bytes2
@@ -294,7 +294,10 @@ class Span(Message, frozen=True):
 
 
 class Refused(Message, frozen=True):
-    """A message that was not let in, and why."""
+    """A message that was not let in, and why; ``count`` of them so far.
+
+    ``source`` and ``sequence`` are what it claimed, "" and -1 where that could not be read.
+    """
 
     topic: str
     source: str

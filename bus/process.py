@@ -8,14 +8,16 @@ kept until its payloads are there.
 from __future__ import annotations
 
 import queue
-from typing import NoReturn, TypeAlias
+import time
+from typing import TypeAlias
 
 import zenoh
 
 from bus import link
 from bus.coordinator import Grant
-from bus.inbox import Inbox
+from bus.inbox import Inbox, LostPayloadError
 from bus.protocol import pack_done, unpack_grant
+from bus.refusals import Reporter
 from bus.topics import heard_by
 from bus.turns import Worker
 from bus.wire import RefusedError, Sent, pack, unpack
@@ -26,31 +28,27 @@ PAYLOAD_PATIENCE_S = 20.0
 """How long a granted process waits for a payload on its way before it says it was lost."""
 
 
-class LostPayloadError(RuntimeError):
-    """A payload that a grant names did not come."""
-
-
-class Refusals:
-    """Counts what is refused and says each, so that it is seen in the process's output."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def note(self, error: RefusedError) -> None:
-        """Count and print a refusal."""
-        self.count += 1
-        print(f"refused ({self.count}): {error}", flush=True)
-
-
 class ModuleProcess:
-    """One module on the star: subscribes to its topics and its grants, says what it has to."""
+    """One module on the star: subscribes to its topics and its grants, says what it has to.
 
-    def __init__(self, session: zenoh.Session, keys: link.Keys, worker: Worker) -> None:
+    ``patience_s``: how long it waits, by the wall clock, for the payloads of a grant.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        keys: link.Keys,
+        worker: Worker,
+        patience_s: float = PAYLOAD_PATIENCE_S,
+    ) -> None:
         self._keys = keys
         self._worker = worker
+        self._patience_s = patience_s
         self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
         self._inbox = Inbox()
-        self._refusals = Refusals()
+        self._open: Grant | None = None
+        self._until_s = 0.0
+        self._reporter = Reporter(session, keys)
         self._session = session
         self._publishers: dict[str, zenoh.Publisher] = {}
         self._done = link.publisher(session, keys.done)
@@ -61,28 +59,51 @@ class ModuleProcess:
         self._token = session.liveliness().declare_token(keys.alive(worker.name))
 
     def run(self) -> None:
-        """Take turns until an empty grant says that the run is over."""
+        """Take turns until an empty grant says that the run is over.
+
+        Raises LostPayloadError for a payload that does not come, GapError for one before it.
+        """
         while True:
-            key, data = self._queue.get()
+            key, data = self._next()
             if key != self._grant_key:
                 self._keep(key, data)
             elif not data:
                 return
             else:
-                self._take(unpack_grant(self._worker.name, data))
+                self._open_grant(data)
+            if self._open is not None and self._inbox.has(self._open.messages):
+                self._take(self._open)
+                self._open = None
+
+    def _next(self) -> Item:
+        if self._open is None:
+            return self._queue.get()
+        try:
+            return self._queue.get(timeout=max(0.0, self._until_s - time.monotonic()))
+        except queue.Empty:
+            missing = self._inbox.missing(self._open.messages)
+            raise LostPayloadError(
+                self._worker.name, self._open.time_ns, missing, self._patience_s
+            ) from None
 
     def _keep(self, key: str, data: bytes) -> None:
         try:
             self._inbox.put(unpack(self._keys.topic_of(key), data))
         except RefusedError as error:
-            self._refusals.note(error)
+            self._reporter.note(error)
+
+    def _open_grant(self, data: bytes) -> None:
+        try:
+            grant = unpack_grant(self._worker.name, data)
+            if self._open is not None:
+                reason = f"for {grant.time_ns} ns, while that of {self._open.time_ns} ns is open"
+                raise RefusedError("grant", "", -1, reason)
+        except RefusedError as error:
+            self._reporter.report(error)
+            return
+        self._open, self._until_s = grant, time.monotonic() + self._patience_s
 
     def _take(self, grant: Grant) -> None:
-        while not self._inbox.has(grant.messages):
-            try:
-                self._keep(*self._queue.get(timeout=PAYLOAD_PATIENCE_S))
-            except queue.Empty:
-                self._give_up(grant)
         done, said = self._worker.run(grant, self._inbox.take(grant.messages))
         for sent in said:
             self._put(sent)
@@ -94,9 +115,3 @@ class ModuleProcess:
             publisher = link.publisher(self._session, self._keys.topic(sent.topic))
             self._publishers[sent.topic] = publisher
         publisher.put(pack(sent))
-
-    def _give_up(self, grant: Grant) -> NoReturn:
-        raise LostPayloadError(
-            f"{self._worker.name}: granted {self._inbox.missing(grant.messages)} at "
-            f"{grant.time_ns} ns, but they did not come within {PAYLOAD_PATIENCE_S:g} s"
-        )

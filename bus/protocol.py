@@ -1,16 +1,36 @@
-"""Grants, dones and commits as bytes."""
+"""Grants, dones, commits and refusals as bytes.
+
+What may not be decoded raises :class:`~bus.wire.RefusedError`, its topic the kind of thing it
+should have been.
+"""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import msgpack
+import msgspec
 
 from bus.coordinator import Done, Grant, Handled, Said
-from bus.wire import MessageId, Sent, pack, unpack
+from bus.wire import MessageId, RefusedError, Sent, pack, unpack
 
 CommitEntry: TypeAlias = MessageId | Sent
 """What the recorder writes next: a message it has received, by name, or one sent along."""
+
+_GRANT = msgspec.msgpack.Decoder(tuple[int, tuple[tuple[str, int], ...]])
+_HANDLED: TypeAlias = tuple[str, str, int, int, int, int, int]
+_DONE = msgspec.msgpack.Decoder(
+    tuple[str, int, tuple[_HANDLED, ...], tuple[tuple[str, int, int], ...]]
+)
+_COMMIT = msgspec.msgpack.Decoder(tuple[tuple[tuple[str, int | bytes], ...], bool])
+_REFUSAL = msgspec.msgpack.Decoder(tuple[str, str, int, str])
+
+
+def _decoded(decoder: msgspec.msgpack.Decoder[Any], what: str, data: bytes) -> Any:
+    try:
+        return decoder.decode(data)
+    except (msgspec.MsgspecError, ValueError) as error:
+        raise RefusedError(what, "", -1, f"{type(error).__name__}: {error}") from None
 
 
 def pack_grant(grant: Grant) -> bytes:
@@ -21,7 +41,7 @@ def pack_grant(grant: Grant) -> bytes:
 
 def unpack_grant(process: str, data: bytes) -> Grant:
     """The grant that ``process`` was sent."""
-    time_ns, messages = msgpack.unpackb(data, use_list=False)
+    time_ns, messages = _decoded(_GRANT, "grant", data)
     return Grant(process, time_ns, messages)
 
 
@@ -37,7 +57,7 @@ def pack_done(done: Done) -> bytes:
 
 def unpack_done(data: bytes) -> Done:
     """The inverse of :func:`pack_done`."""
-    process, time_ns, handled, said = msgpack.unpackb(data, use_list=False)
+    process, time_ns, handled, said = _decoded(_DONE, "done", data)
     return Done(
         process,
         time_ns,
@@ -55,5 +75,16 @@ def pack_commit(entries: list[CommitEntry], *, last: bool) -> bytes:
 
 def unpack_commit(data: bytes) -> tuple[list[CommitEntry], bool]:
     """The inverse of :func:`pack_commit`."""
-    items, last = msgpack.unpackb(data, use_list=False)
+    items, last = _decoded(_COMMIT, "commit", data)
     return [unpack(*i) if isinstance(i[1], bytes) else i for i in items], last
+
+
+def pack_refusal(error: RefusedError) -> bytes:
+    """What a process has refused."""
+    packed: bytes = msgpack.packb((error.topic, error.source, error.sequence, error.reason))
+    return packed
+
+
+def unpack_refusal(data: bytes) -> RefusedError:
+    """The inverse of :func:`pack_refusal`."""
+    return RefusedError(*_decoded(_REFUSAL, "refused", data))

@@ -10,9 +10,9 @@ from typing import TypeAlias
 import zenoh
 
 from bus import link
-from bus.process import Refusals
 from bus.protocol import CommitEntry, unpack_commit
-from bus.topics import RECORDER, heard_by
+from bus.refusals import Reporter
+from bus.topics import RECORDER
 from bus.wire import MessageId, RefusedError, Sent, unpack
 
 Item: TypeAlias = tuple[str, bytes]
@@ -33,12 +33,14 @@ class Recording:
         self._write = write
         self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
         self._held: dict[MessageId, Sent] = {}
-        self._refusals = Refusals()
+        self._reporter = Reporter(session, keys)
         self._due: deque[CommitEntry] = deque()
         self._last = False
         self.lost: list[MessageId] = []
-        wanted = [keys.topic(t.name) for t in heard_by(RECORDER)] + [keys.commit]
-        self._subscribers = [link.subscribe(session, key, self._queue.put) for key in wanted]
+        # Every topic there could be: what is said on one that is not in the table is refused.
+        self._subscribers = [
+            link.subscribe(session, key, self._queue.put) for key in (keys.every_topic, keys.commit)
+        ]
         self._token = session.liveliness().declare_token(keys.alive(RECORDER))
 
     def run(self) -> None:
@@ -51,16 +53,16 @@ class Recording:
             self._write_due()
 
     def _take(self, key: str, data: bytes) -> None:
-        if key == self._keys.commit:
-            entries, last = unpack_commit(data)
-            self._due.extend(entries)
-            self._last = self._last or last
-            return
         try:
-            sent = unpack(self._keys.topic_of(key), data)
-            self._held[sent.id] = sent
+            if key == self._keys.commit:
+                entries, last = unpack_commit(data)
+                self._due.extend(entries)
+                self._last = self._last or last
+            else:
+                sent = unpack(self._keys.topic_of(key), data)
+                self._held[sent.id] = sent
         except RefusedError as error:
-            self._refusals.note(error)
+            self._reporter.report(error)
 
     def _write_due(self) -> None:
         """Write as far as the payloads have come: they travel apart from the commits."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from bus import messages as m
 
-WORLD, RECORDER, CLOCK = "world", "recorder", "clock"
+WORLD, RECORDER, CLOCK, BUS = "world", "recorder", "clock", "bus"
 SENSOR, DETECTORS, CLASSIFIER = "sensor", "detectors", "classifier"
 GEOGRAPHER, DECIDER, REACTOR = "geographer", "decider", "reactor"
 
@@ -56,7 +56,8 @@ _TABLE = (
     Topic("deadline/missed", m.DeadlineMissed, WORLD, (), "never"),
     Topic("ledger", m.LedgerEntry, WORLD, (), "each decision"),
     Topic("clock/span", m.Span, CLOCK, (), "each handler"),
-    Topic("health/refused", m.Refused, CLOCK, (), "never"),
+    # From a source of its own: a refusal must not change the numbers of anything else.
+    Topic("health/refused", m.Refused, BUS, (), "never"),
     Topic("run/ended", m.RunEnded, WORLD, (), "once"),
     Topic("truth/building", m.TrueBuilding, WORLD, (), "once", truth=True),
     Topic("truth/pose", m.TruePose, WORLD, (), "each LDP", truth=True),

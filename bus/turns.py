@@ -53,10 +53,15 @@ class Voice:
 
 @dataclass
 class Turn:
-    """A handler's turn: when it began, what computing costs, and what it says."""
+    """A handler's turn: the message it heard, when it began, what computing costs, what it says.
+
+    ``heard`` names the message being handled. A module that remembers a message keeps its name,
+    and gives it as a parent of what is made from it later.
+    """
 
     start_ns: int
     costs: CostModel
+    heard: MessageId
     said: list[tuple[Message, tuple[MessageId, ...]]] = field(default_factory=list)
     works: list[tuple[str, int]] = field(default_factory=list)
     cells: int = 0
@@ -69,7 +74,11 @@ class Turn:
         self.cost_ns += self.costs.cost_ns(kind, cells)
 
     def say(self, message: Message, *parents: MessageId) -> None:
-        """Say a message at the end of this turn; ``parents`` beside the one being handled."""
+        """Say a message at the end of this turn; ``parents`` beside the one being handled.
+
+        Parents are all remembered messages it was made from; of those that went into a state
+        which sums up many (a map, a track, a pose), the last one.
+        """
         self.said.append((message, parents))
 
     def left_ns(self, until_ns: int) -> int:
@@ -103,7 +112,7 @@ class Worker:
         handled: list[Handled] = []
         out: list[Sent] = []
         for sent in heard:
-            turn = Turn(at_ns, self._costs)
+            turn = Turn(at_ns, self._costs, sent.id)
             self._handlers[sent.topic](sent.message, turn)
             end_ns = at_ns + turn.cost_ns
             count = len(turn.said)
@@ -111,7 +120,8 @@ class Worker:
                 Handled(sent.topic, sent.source, sent.sequence, at_ns, end_ns, turn.cells, count)
             )
             for message, parents in turn.said:
-                out.append(self._voice.sent(message, end_ns, (sent.id, *parents)))
+                named = tuple(dict.fromkeys((sent.id, *parents)))  # each once, what was heard first
+                out.append(self._voice.sent(message, end_ns, named))
             at_ns = end_ns
         said = tuple(Said(s.topic, s.source, s.sequence, s.said_ns) for s in out)
         return Done(grant.process, grant.time_ns, tuple(handled), said), out

@@ -12,14 +12,14 @@ from typing import Any
 
 from bus import messages as m
 from bus.grid import Grid
-from bus.topics import PRIORITY
 from bus.wire import Sent
 from logs.belief import FinalBelief, final_belief, fits
 from logs.decisions import NS_PER_S, Decisions, LateDecision, late_decision, on_time, summarise
+from logs.loads import Load, Loads
 from logs.reader import RunReader, read_run
 
 INCONCLUSIVE, LATE, IN_TIME = "inconclusive", "late", "in time"
-PROCESS_DOWN = "process down"
+PROCESS_LOST = ("process down", "process frozen")
 
 
 @dataclass(frozen=True)
@@ -78,17 +78,6 @@ class RefusedMessages:
 
 
 @dataclass(frozen=True)
-class Load:
-    """The work of one process: ``share`` is its busy time over the duration of the run."""
-
-    process: str
-    handlers: int
-    cells: int
-    busy_s: float
-    share: float | None
-
-
-@dataclass(frozen=True)
 class Analysis:
     """All that one log says. ``reasons`` is why it gets no verdict; empty for a whole log."""
 
@@ -141,7 +130,7 @@ class Tally:
         self._encounters: list[m.TrueEncounter] = []
         self._finished: dict[int, None] = {}
         self._refused: dict[tuple[str, str, str], int] = {}
-        self._loads: dict[str, tuple[int, int, int]] = {}
+        self.loads = Loads()
         self._building: m.TrueBuilding | None = None
         self._belief: tuple[m.MapBelief, int] | None = None
         self._ended: tuple[str, int] | None = None
@@ -150,9 +139,8 @@ class Tally:
         """Take one message into account."""
         match sent.message:
             case m.Span() as span:
-                handlers, cells, busy_ns = self._loads.get(span.process, (0, 0, 0))
-                busy_ns += span.end_ns - span.start_ns
-                self._loads[span.process] = (handlers + 1, cells + span.cells, busy_ns)
+                took_ns = span.end_ns - span.start_ns
+                self.loads.add(span.process, span.topic, took_ns, span.cells, None)
             case m.MapBelief() as belief:
                 self._belief = (belief, sent.said_ns)
             case m.JunctionLikelihood(finished=True) as likelihood:
@@ -197,7 +185,7 @@ class Tally:
             belief=self._final_belief(),
             encounters=_encounters(self._encounters),
             refused=tuple(RefusedMessages(*key, number) for key, number in self._refused.items()),
-            loads=tuple(self._load(name, duration_ns) for name in sorted(self._loads, key=_rank)),
+            loads=self.loads.loads(duration_ns),
             topics=dict(reader.counts),
         )
 
@@ -207,7 +195,7 @@ class Tally:
             reasons.append(f"the log is truncated: {reader.problem}")
         if self._ended is None:
             reasons.append("the log does not say why the run ended")
-        elif self._ended[0].startswith(PROCESS_DOWN):
+        elif self._ended[0].startswith(PROCESS_LOST):
             reasons.append(f"the run ended because of a {self._ended[0]}")
         reasons += [
             f"{number} of the messages of {source} are not in the log"
@@ -241,18 +229,10 @@ class Tally:
             return (intersection, 0)
         return grid_of(self._building).place(intersection)
 
-    def _load(self, process: str, duration_ns: int) -> Load:
-        handlers, cells, busy_ns = self._loads[process]
-        return Load(process, handlers, cells, busy_ns / NS_PER_S, _ratio(busy_ns, duration_ns))
-
 
 def grid_of(building: m.TrueBuilding) -> Grid:
     """The grid that a building stands on."""
     return Grid(len(building.columns_m), len(building.rows_m))
-
-
-def _rank(process: str) -> tuple[int, str]:
-    return PRIORITY.get(process, len(PRIORITY)), process
 
 
 def _sensing(readings: int, visits: int) -> Sensing:
@@ -292,6 +272,11 @@ def to_json(analysis: Analysis) -> dict[str, Any]:
 
     It is strict JSON: a number that is not finite becomes None.
     """
-    text = json.dumps(asdict(analysis))
-    plain: dict[str, Any] = json.loads(text, parse_constant=lambda _: None)
-    return plain
+    return finite(asdict(analysis))
+
+
+def finite(plain: dict[str, Any]) -> dict[str, Any]:
+    """The same as JSON has it, with None for every number that is not finite."""
+    text = json.dumps(plain)
+    strict: dict[str, Any] = json.loads(text, parse_constant=lambda _: None)
+    return strict

@@ -10,23 +10,27 @@ import struct
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Self
+from typing import IO, Self, TypeAlias
 
 import zstandard
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
 from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
+from mcap.stream_reader import MAGIC_SIZE, StreamReader
 
 from bus.topics import TOPICS
 from bus.wire import Sent
+from logs.records import chunk_records
 from logs.run_log import METADATA
 from logs.schema import SchemaError, decode, schema, schema_name
 
 _TOO_LARGE = (MemoryError, OverflowError)  # what a damaged length asks for
-_DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, *_TOO_LARGE)
+DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, *_TOO_LARGE)
 """What reading raises where the file is cut or its bytes are not what was written."""
+
+RawSent: TypeAlias = tuple[str, int, bytes]
+"""A message as it stands in the file: topic, when it was said in ns, protobuf bytes."""
 
 
 class LogReadError(ValueError):
@@ -86,14 +90,26 @@ class RunReader:
     @property
     def missing(self) -> dict[str, int]:
         """How many messages of each source are missing before its last one; whole: empty."""
-        found = dict.fromkeys(self._highest, 0)
-        for topic, count in self.counts.items():
-            if count:
-                found[TOPICS[topic].publisher] += count
-        gaps = {source: last + 1 - found[source] for source, last in self._highest.items()}
+        last: dict[str, int] = {}
+        found: dict[str, int] = {}
+        for topic, highest in self._highest.items():
+            source = TOPICS[topic].publisher
+            last[source] = max(last.get(source, -1), highest)
+            found[source] = found.get(source, 0) + self.counts[topic]
+        gaps = {source: last[source] + 1 - found[source] for source in last}
         return {source: gap for source, gap in gaps.items() if gap > 0}
 
     def __iter__(self) -> Iterator[Sent]:
+        wanted = self._topics
+        for topic, _, data in self.raw():
+            if wanted is None or topic in wanted:
+                yield self._decoded(topic, data)
+
+    def raw(self) -> Iterator[RawSent]:
+        """All messages as (topic, when said in ns, protobuf bytes), not decoded.
+
+        Instead of iterating over the reader itself; ends and raises as that does.
+        """
         try:
             for record in self._records:
                 if isinstance(record, Chunk):
@@ -102,7 +118,7 @@ class RunReader:
                     raise ValueError("a message outside of the chunks")
         except LogReadError:
             raise
-        except _DAMAGE as error:
+        except DAMAGE as error:
             self._stop(error)
         finally:
             self._file.close()
@@ -145,7 +161,7 @@ class RunReader:
                     return self._past_attachments(records)
                 if not isinstance(record, (Header, Metadata)):
                     break
-        except _DAMAGE as error:
+        except DAMAGE as error:
             raise self._not_a_log(error, size) from error
         raise LogReadError(
             f"{self.path}: found an MCAP file of something else, "
@@ -158,7 +174,7 @@ class RunReader:
                 if not isinstance(record, Attachment):
                     return _with_first(record, records)
                 self.attachments[record.name] = record.data
-        except _DAMAGE as error:
+        except DAMAGE as error:
             self._stop(error)
         return iter(())
 
@@ -179,35 +195,33 @@ class RunReader:
             how = f"a record is cut or damaged ({type(error).__name__}: {error})"
         self.problem = f"{how}; {self.read} messages could be read"
 
-    def _chunk(self, chunk: Chunk) -> Iterator[Sent]:
+    def _chunk(self, chunk: Chunk) -> Iterator[RawSent]:
         # only what a checksum covers is believed, hence nothing outside of chunks
-        for record in breakup_chunk(chunk, validate_crc=True):
-            sent = self._take(record)
-            if sent is not None:
-                yield sent
+        for record in chunk_records(chunk):
+            if not isinstance(record, tuple):
+                self._name(record)
+                continue
+            channel, sequence, stamp_ns, data = record
+            topic = self._topic_of.get(channel)
+            if topic is None:  # a view for a viewer, not something that was said
+                continue
+            self.counts[topic] += 1
+            if stamp_ns > self._last_stamp_ns:
+                self._last_stamp_ns = stamp_ns
+            if sequence > self._highest.get(topic, -1):
+                self._highest[topic] = sequence
+            yield topic, stamp_ns - self._epoch_ns, data
 
-    def _take(self, record: McapRecord) -> Sent | None:
-        if isinstance(record, Message):
-            return self._message(record)
+    def _name(self, record: Schema | Channel) -> None:
         if isinstance(record, Schema):
             self._named[record.id] = record
-        elif isinstance(record, Channel) and record.topic in TOPICS:
+        elif record.topic in TOPICS:
             self._check(record.topic, self._named.get(record.schema_id))
             self._topic_of[record.id] = record.topic
-        return None
 
-    def _message(self, record: Message) -> Sent | None:
-        topic = self._topic_of.get(record.channel_id)
-        if topic is None:  # a view for a viewer, not something that was said
-            return None
-        self.counts[topic] += 1
-        source = TOPICS[topic].publisher
-        self._last_stamp_ns = max(self._last_stamp_ns, record.log_time)
-        self._highest[source] = max(self._highest.get(source, -1), record.sequence)
-        if self._topics is not None and topic not in self._topics:
-            return None
+    def _decoded(self, topic: str, data: bytes) -> Sent:
         try:
-            return decode(topic, record.data)
+            return decode(topic, data)
         except SchemaError as error:
             raise LogReadError(f"{self.path}: {error}") from error
 

@@ -20,7 +20,7 @@ _STYLE = {IN_TIME: "bold green", INCONCLUSIVE: "bold yellow"}
 def render(analysis: Analysis, console: Console) -> None:
     """Print what a log says: the verdict first, the ledger, then what came of the run."""
     _heading(analysis, console)
-    console.print(_ledger(analysis.decisions))
+    console.print(ledger_table(analysis.decisions))
     if analysis.late:
         console.print(_late(analysis.late))
         _more(len(analysis.late), console)
@@ -68,7 +68,8 @@ def _heading(analysis: Analysis, console: Console) -> None:
     )
 
 
-def _table(name: str, *columns: str, left: tuple[str, ...] = ()) -> Table:
+def make_table(name: str, *columns: str, left: tuple[str, ...] = ()) -> Table:
+    """An empty table; the columns in ``left`` are set to the left."""
     table = Table(title=name, title_justify="left", title_style="bold")
     table.box, table.pad_edge, table.collapse_padding = box.SIMPLE_HEAD, False, True
     for column in columns:
@@ -76,9 +77,10 @@ def _table(name: str, *columns: str, left: tuple[str, ...] = ()) -> Table:
     return table
 
 
-def _ledger(decisions: tuple[Decisions, ...]) -> Table:
+def ledger_table(decisions: tuple[Decisions, ...]) -> Table:
+    """The decisions of each kind."""
     columns = ("kind", "asked", "on time", "late", "slack min", "median", "max", "idle", "causes")
-    table = _table("Decisions", *columns, left=("kind", "causes"))
+    table = make_table("Decisions", *columns, left=("kind", "causes"))
     for of in decisions:
         late = f"{of.late} ({of.never} never)" if of.never else str(of.late)
         table.add_row(
@@ -104,7 +106,7 @@ def _causes(of: Decisions) -> str:
 
 def _late(late: tuple[LateDecision, ...]) -> Table:
     columns = ("number", "kind", "visit", "due at", "slack", "idle", "cells", "instead", "cause")
-    table = _table("Late decisions", *columns, left=("kind", "instead", "cause"))
+    table = make_table("Late decisions", *columns, left=("kind", "instead", "cause"))
     for one in late[:LISTED]:
         table.add_row(
             str(one.decision),
@@ -125,7 +127,7 @@ def _errands(analysis: Analysis, console: Console) -> None:
     if not errands.number:
         console.print("No errand was done.")
         return
-    table = _table("Errands", "number", "from", "to", "time", "shortest", "ratio")
+    table = make_table("Errands", "number", "from", "to", "time", "shortest", "ratio")
     for one in errands.each[:LISTED]:
         places = [f"{x},{y}" for x, y in (one.start, one.goal)]
         times = (seconds(one.time_s), seconds(one.shortest_s), _ratio(one.ratio))
@@ -172,7 +174,7 @@ def _belief(belief: FinalBelief | None) -> str:
 
 
 def _loads(analysis: Analysis) -> Table:
-    table = _table("Loads", "process", "handlers", "cells", "busy", "share", left=("process",))
+    table = make_table("Loads", "process", "handlers", "cells", "busy", "share", left=("process",))
     for load in analysis.loads:
         share = "-" if load.share is None else f"{load.share:.2%}"
         numbers = (f"{load.handlers:,}", f"{load.cells:,}", seconds(load.busy_s), share)
@@ -181,7 +183,7 @@ def _loads(analysis: Analysis) -> Table:
 
 
 def _refused(analysis: Analysis) -> Table:
-    table = _table("Refused messages", "topic", "source", "number", "reason", left=("reason",))
+    table = make_table("Refused messages", "topic", "source", "number", "reason", left=("reason",))
     for refused in analysis.refused:
         row = (refused.topic, refused.source, str(refused.number), refused.reason)
         table.add_row(*map(escape, row))

@@ -1,8 +1,9 @@
 """Writing a run down as MCAP, so that the file depends on nothing but what was said.
 
 Two runs that say the same leave the same bytes: every channel is registered at the start in
-the order of the topic table, attachments carry the epoch as their time, and chunks end by size
-or by simulated time, never by the wall clock. A run that is killed leaves all finished chunks.
+the order of the tables, attachments carry the epoch as their time, and chunks end by size
+or by simulated time, never by the wall clock. A run that is killed leaves all finished chunks
+in its log and all else in the tail beside it; :mod:`logs.recover` puts them together.
 """
 
 from __future__ import annotations
@@ -13,23 +14,25 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from mcap.writer import Writer
+from mcap.records import Attachment, Channel, Schema
 
 from bus.topics import TOPICS
 from bus.wire import Sent
+from logs.mcap_file import McapFile
 from logs.schema import SchemaError, encode, schema, schema_name
+from logs.tail import Tail
+from logs.views import VIEWS, Views
+from logs.views.views import view_schema
 
 METADATA = "waywiser"
 """Name of the MCAP metadata record that makes a file one of ours."""
 
-CHUNK_BYTES = 64 * 1024
-CHUNK_NS = 60 * 10**9
-"""A chunk ends at this size, or when a message comes this much simulated time after its first."""
+LIBRARY = "waywiser"
+"""What the header says wrote the file."""
 
 _ENCODING = "protobuf"
 _SEQUENCE_MASK = 0xFFFFFFFF  # MCAP keeps 32 bits; the whole number is in the message
 _LAST_STAMP_NS = (1 << 64) - 1
-_NEVER_BY_ITSELF = 1 << 62  # the writer must not end chunks: the two rules above do
 _MEDIA_TYPES = {".toml": "application/toml", ".json": "application/json", ".txt": "text/plain"}
 
 
@@ -55,76 +58,82 @@ class RunLog:
     ) -> None:
         self.path = Path(path)
         self._epoch_ns = epoch_ns
-        self._chunk_bytes = 0
-        self._chunk_began_ns: int | None = None
+        self._views = Views(epoch_ns)
+        self._tail: Tail | None = None
         try:
             self._file = self.path.open("wb")
         except OSError as error:
             raise self._cannot(error) from error
-        self._writer = Writer(self._file, chunk_size=_NEVER_BY_ITSELF, enable_data_crcs=True)
         try:
+            if self.path.is_file():  # what is written to a device or a pipe cannot be recovered
+                self._tail = Tail(self.path)
+            self._mcap = McapFile(self._file, self._tail)
             self._head(metadata, attachments)
         except OSError as error:
             raise self._give_up(error) from error
 
     def _head(self, metadata: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
-        self._writer.start(library="waywiser")
-        self._writer.add_metadata(METADATA, {**metadata, "epoch_ns": str(self._epoch_ns)})
+        self._mcap.head(LIBRARY)
+        self._mcap.metadata(METADATA, {**metadata, "epoch_ns": str(self._epoch_ns)})
         for name, data in attachments.items():
             media_type = _MEDIA_TYPES.get(Path(name).suffix, "application/octet-stream")
-            self._writer.add_attachment(self._epoch_ns, self._epoch_ns, name, media_type, data)
-        self._channels = {topic: self._register(topic) for topic in TOPICS}
-        self._file.flush()
+            self._mcap.attachment(
+                Attachment(self._epoch_ns, self._epoch_ns, name, media_type, data)
+            )
+        self._channels: dict[str, int] = {}
+        for topic in TOPICS:
+            described = schema(topic).SerializeToString(deterministic=True)
+            self._register(topic, schema_name(topic), described)
+        for topic in VIEWS:
+            self._register(topic, *view_schema(topic))
+        self._mcap.flush()
 
-    def _register(self, topic: str) -> int:
-        described = schema(topic).SerializeToString(deterministic=True)
-        self._chunk_bytes += len(described)
-        schema_id = self._writer.register_schema(schema_name(topic), _ENCODING, described)
-        return self._writer.register_channel(topic, _ENCODING, schema_id)
+    def _register(self, topic: str, name: str, described: bytes) -> None:
+        number = len(self._channels) + 1
+        self._mcap.schema(Schema(id=number, data=described, encoding=_ENCODING, name=name))
+        self._mcap.channel(Channel(number, topic, _ENCODING, {}, number))
+        self._channels[topic] = number
 
     def write(self, sent: Sent) -> None:
-        """Write one message. Raises LogWriteError, or SchemaError for one that does not fit."""
+        """Write one message and its views; what is written outlives this process.
+
+        Raises LogWriteError, or SchemaError for a message that does not fit.
+        """
         if self._file.closed:
             raise LogWriteError(f"{self.path}: the log is closed")
         data = encode(sent)
         stamp_ns = self._epoch_ns + sent.said_ns
         if not 0 <= stamp_ns <= _LAST_STAMP_NS:
             raise SchemaError(f"{sent.topic}: said at {sent.said_ns} ns, outside of MCAP's time")
+        sequence = sent.sequence & _SEQUENCE_MASK
         try:
-            self._end_chunk_before(sent.said_ns)
-            self._writer.add_message(
-                self._channels[sent.topic],
-                log_time=stamp_ns,
-                data=data,
-                publish_time=stamp_ns,
-                sequence=sent.sequence & _SEQUENCE_MASK,
-            )
+            self._mcap.message(self._channels[sent.topic], sequence, stamp_ns, data)
+            for topic, view in self._views.of(sent):
+                self._mcap.message(self._channels[topic], sequence, stamp_ns, view)
         except OSError as error:
             raise self._give_up(error) from error
-        self._chunk_bytes += len(data)
-
-    def _end_chunk_before(self, said_ns: int) -> None:
-        if self._chunk_began_ns is None:
-            self._chunk_began_ns = said_ns
-        elif self._chunk_bytes >= CHUNK_BYTES or said_ns >= self._chunk_began_ns + CHUNK_NS:
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            self._chunk_bytes = 0
-            self._chunk_began_ns = said_ns
 
     def close(self) -> None:
-        """Finish the file. Does nothing where it is closed. Raises LogWriteError."""
+        """Finish the file and remove its tail. Does nothing where it is closed.
+
+        Raises LogWriteError.
+        """
         if self._file.closed:
             return
         try:
-            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._mcap.finish()
             self._file.close()
+            if self._tail is not None:
+                self._tail.remove()
         except OSError as error:
             raise self._give_up(error) from error
 
     def _give_up(self, error: OSError) -> LogWriteError:
-        # what is still buffered cannot be written either; the file is closed all the same
+        # what is still buffered cannot be written either; the files are closed all the same
         with suppress(OSError):
             self._file.close()
+        if self._tail is not None:
+            self._tail.close()
         return self._cannot(error)
 
     def _cannot(self, error: OSError) -> LogWriteError:

@@ -19,7 +19,9 @@ from typing import Any, TypeAlias, get_type_hints
 import numpy as np
 from google.protobuf.descriptor_pb2 import DescriptorProto, FieldDescriptorProto, FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message import DecodeError
 from google.protobuf.message_factory import GetMessageClass
+from msgspec.structs import astuple
 
 from bus.fields import array_specs
 from bus.messages import Message
@@ -36,7 +38,7 @@ _STRING = FieldDescriptorProto.TYPE_STRING
 _SCALARS = {int: _INT64, float: _DOUBLE, str: _STRING, bool: FieldDescriptorProto.TYPE_BOOL}
 _ARRAYS = {"float64": _DOUBLE, "int64": _INT64}
 
-_Record: TypeAlias = Any
+Record: TypeAlias = Any
 """An instance of a protobuf class made at run time."""
 
 
@@ -63,10 +65,11 @@ class _Plan:
     """All that encoding and decoding one topic needs, looked up once."""
 
     type: type[Message]
-    record: Callable[..., _Record]
-    parent: Callable[..., _Record]
-    parse: Callable[[bytes], _Record]
+    record: Callable[..., Record]
+    parse: Callable[[bytes], Record]
     fields: tuple[_Field, ...]
+    recorded: tuple[str, ...]
+    arrays: tuple[_Field, ...]
 
 
 def _fields(message_type: type[Message]) -> tuple[_Field, ...]:
@@ -133,7 +136,10 @@ def _plan(topic: str) -> _Plan:
     described = pool.FindMessageTypeByName(schema_name(topic))
     record: Any = GetMessageClass(described)
     message_type = TOPICS[topic].type
-    return _Plan(message_type, record, record.Parent, record.FromString, _fields(message_type))
+    fields = _fields(message_type)
+    recorded = tuple(field.recorded for field in fields)
+    arrays = tuple(field for field in fields if field.dtype)
+    return _Plan(message_type, record, record.FromString, fields, recorded, arrays)
 
 
 def encode(sent: Sent) -> bytes:
@@ -144,20 +150,24 @@ def encode(sent: Sent) -> bytes:
         raise SchemaError(
             f"{sent.topic}: found a {type(message).__name__}, expected a {plan.type.__name__}"
         )
-    values: dict[str, Any] = {
-        "source": sent.source,
-        "sequence": sent.sequence,
-        "previous": sent.previous,
-        "said_ns": sent.said_ns,
-        "parents": [plan.parent(source=s, sequence=n) for s, n in sent.parents],
-    }
     try:
-        for field in plan.fields:
-            value = getattr(message, field.name)
-            values[field.recorded] = _flat(value, field) if field.dtype else value
+        values = dict(zip(plan.recorded, astuple(message), strict=True))
+        for field in plan.arrays:
+            value = values[field.recorded]
+            values[field.recorded] = _flat(value, field)
             if field.dimensions > 1:
                 values[f"{field.recorded}_shape"] = value.shape
-        data: bytes = plan.record(**values).SerializeToString()
+        record = plan.record(
+            source=sent.source,
+            sequence=sent.sequence,
+            previous=sent.previous,
+            said_ns=sent.said_ns,
+            **values,
+        )
+        add_parent = record.parents.add
+        for source, sequence in sent.parents:
+            add_parent(source=source, sequence=sequence)
+        data: bytes = record.SerializeToString()
     except (TypeError, ValueError, AttributeError) as error:
         which = f"{sent.topic}: message {sent.sequence} of {sent.source}"
         raise SchemaError(f"{which}: {error}") from error
@@ -175,11 +185,26 @@ def _flat(value: Any, field: _Field) -> Any:
 
 def decode(topic: str, data: bytes) -> Sent:
     """Read a message back, its arrays read-only. Raises SchemaError if the bytes are not one."""
+    return sent_of(topic, parse(topic, data))
+
+
+def parse(topic: str, data: bytes) -> Record:
+    """The protobuf record of a message: its fields as they were recorded, none of them read yet.
+
+    Raises SchemaError if the bytes are not one.
+    """
+    try:
+        return _plan(topic).parse(data)
+    except DecodeError as error:
+        raise SchemaError(f"{topic}: not a {schema_name(topic)}: {error}") from error
+
+
+def sent_of(topic: str, record: Record) -> Sent:
+    """The message that a record holds. Raises SchemaError where a shape does not fit."""
     plan = _plan(topic)
     try:
-        record = plan.parse(data)
         fields = [_read(record, field) for field in plan.fields]
-    except Exception as error:  # protobuf's DecodeError, or a shape that does not fit
+    except ValueError as error:
         raise SchemaError(f"{topic}: not a {schema_name(topic)}: {error}") from error
     return Sent(
         topic,
@@ -192,7 +217,7 @@ def decode(topic: str, data: bytes) -> Sent:
     )
 
 
-def _read(record: _Record, field: _Field) -> Any:
+def _read(record: Record, field: _Field) -> Any:
     value = getattr(record, field.recorded)
     if not field.dtype:
         return value

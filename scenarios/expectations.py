@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -40,11 +41,11 @@ def _of_decisions(expect: Expect, analysis: Analysis) -> list[Verdict]:
         )
     if expect.slack_at_least_s is not None:
         slacks = [row.slack_min_s for row in rows if row.slack_min_s is not None]
-        least = min(slacks, default=float("inf"))
+        least = min(slacks, default=math.inf)
         verdicts.append(
             Verdict(
                 f"{which} decisions' slack: at least {expect.slack_at_least_s:g} s",
-                f"{least:.3f} s",
+                f"{least:.3f} s" if slacks else "no decision",
                 least >= expect.slack_at_least_s,
             )
         )
@@ -62,7 +63,7 @@ def _of_run(expect: Expect, analysis: Analysis, errands: int) -> list[Verdict]:
         (
             expect.true_map_at_least,
             f"probability of the true map: at least {expect.true_map_at_least}",
-            f"{probability:.4f}",
+            f"{probability:.4f}" if belief else "no belief",
             lambda: probability >= (expect.true_map_at_least or 0.0),
         ),
         (

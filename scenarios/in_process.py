@@ -40,11 +40,17 @@ def coordinator_of(scenario: Scenario) -> Coordinator:
 class _Carrier:
     """Delivers messages and carries out grants, all within this process."""
 
-    def __init__(self, workers: dict[str, Worker], write: Callable[[Sent], None]) -> None:
+    def __init__(
+        self,
+        workers: dict[str, Worker],
+        write: Callable[[Sent], None],
+        stop: Callable[[], bool],
+    ) -> None:
         self._workers = workers
         self._inboxes = {name: Inbox() for name in (WORLD, *workers)}
         self._unwritten: dict[MessageId, Sent] = {}
         self._write = write
+        self._stop = stop
         self.world: World | None = None
 
     def put(self, sent: Sent) -> None:
@@ -55,6 +61,9 @@ class _Carrier:
                 inbox.put(sent)
 
     def carry_out(self, grants: list[Grant]) -> list[Done]:
+        if self._stop():
+            assert self.world is not None
+            self.world.end("stopped")
         return [self._run(grant) for grant in grants]
 
     def _run(self, grant: Grant) -> Done:
@@ -87,10 +96,12 @@ def run_in_process(
     drawn: Drawn,
     write: Callable[[Sent], None],
     build: Callable[..., Module] = build_module,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Ended:
     """Run a scenario from beginning to end; ``write`` gets the log, message by message.
 
-    ``build`` makes the modules; a test or a tool may put its own in their place.
+    ``build`` makes the modules; a test or a tool may put its own in their place. ``stop`` is
+    asked before every round of grants whether the run shall end now.
     """
     costs = cost_model(scenario.compute)
     workers = {
@@ -102,7 +113,7 @@ def run_in_process(
         for name in MODULES
     }
     env = simpy.Environment(initial_time=0)
-    carrier = _Carrier(workers, write)
+    carrier = _Carrier(workers, write, stop)
     clock = VirtualClock(env, coordinator_of(scenario), carrier.carry_out, carrier.commit)
     world = World(
         env,

@@ -14,6 +14,13 @@ import msgspec
 from bus.facts import Facts
 from bus.turns import Module
 
+REFUSED = 2
+"""Exit status of a module's process that cannot do what the scenario asks of it."""
+
+
+class ModuleRefusedError(ValueError):
+    """A module that cannot do what the scenario asks of it: which one, and its words."""
+
 
 def settings_type(name: str) -> type[msgspec.Struct]:
     """What a scenario may set in [modules.NAME]."""
@@ -22,7 +29,14 @@ def settings_type(name: str) -> type[msgspec.Struct]:
 
 
 def build_module(name: str, facts: Facts, settings: Mapping[str, Any], seed: int) -> Module:
-    """A module ready to take turns. ``settings`` is its table in the scenario, checked."""
+    """A module ready to take turns. ``settings`` is its table in the scenario, checked.
+
+    Raises ModuleRefusedError where the module has a ValueError of these facts or settings.
+    """
     package = importlib.import_module(f"modules.{name}.process")
-    module: Module = package.build(facts, msgspec.convert(settings, settings_type(name)), seed)
+    checked = msgspec.convert(settings, settings_type(name))
+    try:
+        module: Module = package.build(facts, checked, seed)
+    except ValueError as error:
+        raise ModuleRefusedError(f"{name}: {error}") from error
     return module

@@ -15,7 +15,10 @@ CANNOT_WRITE = 3
 
 
 def main(order_path: str) -> int:
-    """Write the run's log; 3 if it cannot be written or is not whole."""
+    """Write the run's log; 3 if it cannot be written or is not whole.
+
+    Where it cannot be written, this process leaves at once, and that ends the run.
+    """
     end_with_parent()
     order = read_order(order_path)
     try:
@@ -26,7 +29,7 @@ def main(order_path: str) -> int:
             recording = Recording(session, link.Keys(order.run), log.write)
             recording.run()
     except LogWriteError as error:
-        print(f"the log cannot be written: {error}", flush=True)
+        print(error, f"waywiser recover {order.log} OUT saves what is there", sep="\n", flush=True)
         return CANNOT_WRITE
     return CANNOT_WRITE if recording.lost else 0
 

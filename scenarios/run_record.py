@@ -9,7 +9,17 @@ from pathlib import Path
 from logs.run_log import RunLog
 from scenarios.scenario import Scenario
 
-LIBRARIES = ("waywiser", "numpy", "numba", "simpy", "msgpack", "msgspec", "mcap")
+LIBRARIES = (
+    "waywiser",
+    "numpy",
+    "numba",
+    "simpy",
+    "msgpack",
+    "msgspec",
+    "mcap",
+    "protobuf",
+    "zstandard",
+)
 
 
 @dataclass(frozen=True)
@@ -29,6 +39,7 @@ class Script:
             "about": self.scenario.about,
             "seed": str(self.scenario.seed),
             "changes": "\n".join(self.changes),
+            "hop_ns": str(round(self.scenario.bus.hop_s * 1e9)),
             "versions": versions,
         }
         attachments = {"scenario.toml": self.text.encode()}

@@ -18,7 +18,7 @@ from bus.costs import KINDS
 from bus.topics import MODULES
 from scenarios.explain import explained, one_of, out_of_range, shown
 from scenarios.modules import settings_type
-from simworld.settings import ErrandSettings, NotNegative, RandomErrands, WorldSettings
+from simworld.settings import ErrandSettings, NotNegative, Positive, RandomErrands, WorldSettings
 
 SHIPPED = Path(__file__).parent
 FIRST_YEAR, LAST_YEAR = 1970, 2500
@@ -64,10 +64,15 @@ class Fault(_Table, frozen=True):
 
 
 class BusSettings(_Table, frozen=True):
-    """Where the hub listens on loopback (0: any free port) and how long a hop takes."""
+    """Where the hub listens on loopback (0: any free port) and how long a hop takes.
+
+    A module that computes for longer than ``patience_s`` by the wall clock counts as frozen;
+    the first run on a machine compiles, which may take half a minute.
+    """
 
     port: Annotated[int, msgspec.Meta(ge=0, le=65535)] = 0
     hop_s: Annotated[float, msgspec.Meta(ge=1e-9, le=1.0)] = 1e-4
+    patience_s: Positive = 120.0
 
 
 class Scenario(_Table, frozen=True):
@@ -96,18 +101,25 @@ def shipped() -> list[str]:
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def find(name: str) -> Path:
+def listing() -> str:
+    """The shipped scenarios with what they are about, a line each."""
+    about = {n: tomllib.loads((SHIPPED / f"{n}.toml").read_text())["about"] for n in shipped()}
+    width = max(map(len, about))
+    return "\n".join(f"  {name:<{width}}  {text}" for name, text in about.items())
+
+
+def find(name: str | None) -> Path:
     """The file of a shipped scenario, or the path itself. Raises ScenarioError."""
+    if name is None:
+        raise ScenarioError(f"found no scenario, expected a TOML file or one of\n{listing()}")
     path = SHIPPED / f"{name}.toml"
     if path.is_file():
         return path
     path = Path(name)
     if path.is_file():
         return path
-    raise ScenarioError(
-        f"{name}: found no such file, expected a path to a scenario or one of "
-        f"{', '.join(shipped())}"
-    )
+    found = "a folder" if path.is_dir() else "no such file"
+    raise ScenarioError(f"{name}: found {found}, expected a TOML file or one of\n{listing()}")
 
 
 def load(path: Path, changes: Sequence[str] = (), seed: int | None = None) -> Scenario:
@@ -158,7 +170,10 @@ def _contradictions(scenario: Scenario) -> Iterator[str]:
         if kind not in KINDS:
             yield f"compute.slower.{kind}: found an unknown kind of work, {one_of(kind, KINDS)}"
     if not FIRST_YEAR <= scenario.epoch.year <= LAST_YEAR:
-        yield f"epoch: found {scenario.epoch.year}, expected a year from {FIRST_YEAR} to {LAST_YEAR}"
+        yield (
+            f"epoch: found the year {scenario.epoch.year}, "
+            f"expected one from {FIRST_YEAR} to {LAST_YEAR}"
+        )
     if scenario.errand and scenario.random_errands:
         yield "random_errands: found beside [[errand]], expected only one of the two"
     for k, expect in enumerate(scenario.expect):

@@ -59,4 +59,9 @@ def _words(progress: Progress) -> str:
 
 
 def _states(progress: Progress) -> str:
-    return "  ".join(f"{name} {state}" for name, state in progress.states.items())
+    """Every process, by state."""
+    states = progress.states
+    return "; ".join(
+        f"{state}: {', '.join(name for name in states if states[name] == state)}"
+        for state in dict.fromkeys(states.values())
+    )

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
@@ -21,6 +21,8 @@ from typing import IO, Any
 import msgspec
 
 from bus.topics import RECORDER, WORLD
+from scenarios.interrupt import interruptible
+from scenarios.modules import REFUSED, ModuleRefusedError
 
 PROGRAM = {WORLD: "scenarios.world_process", RECORDER: "scenarios.recorder_process"}
 """What the processes run that are no modules."""
@@ -28,6 +30,14 @@ PROGRAM = {WORLD: "scenarios.world_process", RECORDER: "scenarios.recorder_proce
 LAST_WORDS_LINES = 12
 SHUTDOWN_S = 20.0
 """How long processes may take to leave by themselves once the run is over."""
+
+CRASH_SHUTDOWN_S = 0.5
+"""The same where the run never began or the world has crashed: others that crash with it."""
+
+SILENCE_S = 60.0
+"""The world may be silent for so much longer than it waits for a module."""
+
+TICK_S = 0.2
 
 
 @dataclass
@@ -37,7 +47,7 @@ class Watched:
     name: str
     popen: subprocess.Popen[bytes]
     output: Path
-    state: str = "starting"
+    frozen: str = ""
 
     def last_words(self) -> str:
         """The end of what it printed."""
@@ -74,15 +84,18 @@ class Supervisor:
     """The parent of one run's processes; a context manager that ends them all.
 
     ``orders`` is the file with its orders for each process, in the order of starting.
+    ``patience_s`` is how long, by the wall clock, the world waits for a module before it counts
+    as frozen.
     """
 
-    def __init__(self, orders: Mapping[str, Path], output: Path) -> None:
+    def __init__(self, orders: Mapping[str, Path], output: Path, patience_s: float) -> None:
         self._orders = orders
         self._output = output
+        self._patience_s = patience_s
+        self._silence_s = patience_s + SILENCE_S
         self._watched: dict[str, Watched] = {}
         self._reports: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
-        self._interrupted = 0
-        self._killed: list[str] = []
+        self._asked_to_go: list[str] = []
         self.progress = Progress()
 
     def __enter__(self) -> Supervisor:
@@ -121,44 +134,62 @@ class Supervisor:
         self._reports.put(None)
 
     def run(self, show: Callable[[Progress], None]) -> Supervised:
-        """Follow the run to its end. Ctrl-C asks the world to end it; a second one ends us."""
+        """Follow the run to its end. Ctrl-C asks the world to end it; a second one ends us.
+
+        Raises ModuleRefusedError where a module cannot do what the scenario asks.
+        """
         began_s = time.monotonic()
         started_after_s = 0.0
         reason = ""
-        before = signal.signal(signal.SIGINT, self._interrupt)
-        try:
-            while True:
-                said = self._next_report()
-                if said is None:
-                    break
+        with interruptible(self._stop_world) as interrupts:
+            for said in self._reports_until_the_end(lambda: show(self.progress)):
                 if said["state"] == "started":
                     started_after_s = time.monotonic() - began_s
                 reason = self._take(said) or reason
-                show(self.progress)
-        finally:
-            signal.signal(signal.SIGINT, before)
-        failed = self._wait_for_all()
+            if interrupts.any() and not reason:
+                reason = "stopped"
+                self._asked_to_go.append(WORLD)
+            failed = self._failures(reason)
         show(self.progress)
         return Supervised(reason, self.progress, failed, started_after_s)
 
-    def _next_report(self) -> dict[str, Any] | None:
-        """What the world says next; None once it has gone, or nobody can get it going."""
+    def _reports_until_the_end(self, tick: Callable[[], None]) -> Iterator[dict[str, Any]]:
+        """What the world says, until it has gone, is frozen, or nobody can get it going."""
+        heard_s = time.monotonic()
         while True:
+            tick()
             try:
-                return self._reports.get(timeout=0.2)
+                said = self._reports.get(timeout=TICK_S)
             except queue.Empty:
-                if not self.progress.started and self._dead():
-                    return None
+                self._note_states()
+                if self._cannot_start():
+                    return
+                if time.monotonic() - heard_s > self._silence_s:
+                    self._frozen(WORLD, self._silence_s)
+                    return
+                continue
+            if said is None:
+                return
+            heard_s = time.monotonic()
+            yield said
 
-    def _dead(self) -> list[str]:
-        return [name for name, w in self._watched.items() if w.popen.poll() is not None]
+    def _note_states(self) -> None:
+        for name, watched in self._watched.items():
+            code = watched.popen.poll()
+            if code is not None and name not in self._asked_to_go:
+                self.progress.states[name] = _how(code) if code else "ended"
+
+    def _cannot_start(self) -> bool:
+        return not self.progress.started and any(
+            watched.popen.poll() not in (None, 0) for watched in self._watched.values()
+        )
 
     def _take(self, said: dict[str, Any]) -> str:
         state = said["state"]
         if state == "ready":
             self.progress.states[said["process"]] = "ready"
         elif state == "kill":
-            self._killed.append(said["process"])
+            self._asked_to_go.append(said["process"])
             self._watched[said["process"]].popen.kill()
             self.progress.states[said["process"]] = "killed as planned"
         elif state == "started":
@@ -169,29 +200,41 @@ class Supervisor:
                 setattr(self.progress, name, said[name])
         return str(said.get("reason", ""))
 
-    def _interrupt(self, *_: object) -> None:
-        self._interrupted += 1
-        if self._interrupted > 1:
-            raise KeyboardInterrupt
+    def _stop_world(self) -> None:
         self._watched[WORLD].popen.send_signal(signal.SIGTERM)
 
-    def _wait_for_all(self) -> dict[str, str]:
-        """Give every process time to leave; say of each that failed how, and its last words."""
-        world_gone = self._watched[WORLD].popen.poll() not in (None, 0)
-        until_s = time.monotonic() + (2.0 if world_gone else SHUTDOWN_S)
+    def _frozen(self, name: str, patience_s: float) -> None:
+        self._watched[name].frozen = f"frozen: no answer for {patience_s:g} s"
+        self._watched[name].popen.kill()
+
+    def _failures(self, reason: str) -> dict[str, str]:
+        """Give the processes time to leave; say of each that failed how, and its last words."""
+        _, frozen, name = reason.partition("process frozen: ")
+        if frozen and name in self._watched:
+            self._frozen(name, self._patience_s)
+        well = self.progress.started and self._watched[WORLD].popen.poll() in (None, 0)
+        until_s = time.monotonic() + (SHUTDOWN_S if well else CRASH_SHUTDOWN_S)
         failed: dict[str, str] = {}
         for name, watched in self._watched.items():
-            try:
-                code = watched.popen.wait(max(0.0, until_s - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                self.progress.states[name] = "ended by the supervisor"
-                if not world_gone:
-                    failed[name] = "did not leave when the run was over"
-                continue
-            self.progress.states[name] = "ended" if code == 0 else _how(code)
-            if code != 0 and name not in self._killed:
-                failed[name] = f"{_how(code)}\n{watched.last_words()}".rstrip()
+            how = self._end_of(watched, until_s)
+            if how is None and well:
+                how = "did not leave when the run was over"
+            if how and name not in self._asked_to_go:
+                failed[name] = f"{how}\n{watched.last_words()}".rstrip()
         return failed
+
+    def _end_of(self, watched: Watched, until_s: float) -> str | None:
+        """How a process ended: "" if well, None if it did not by then."""
+        try:
+            code = watched.popen.wait(max(0.0, until_s - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            self.progress.states[watched.name] = "ended by the supervisor"
+            return None
+        if code == REFUSED and not self.progress.started:
+            raise ModuleRefusedError(f"{watched.name}: {watched.last_words()}")
+        how = watched.frozen or (_how(code) if code else "")
+        self.progress.states[watched.name] = how or "ended"
+        return how
 
     def _end_all(self) -> None:
         for watched in self._watched.values():

@@ -20,6 +20,7 @@ from bus.coordinator import Done, Grant
 from bus.hub import Hub
 from bus.protocol import CommitEntry
 from bus.topics import MODULES
+from bus.wire import RefusedError
 from scenarios.draw import draw
 from scenarios.faults import schedule_faults
 from scenarios.in_process import coordinator_of
@@ -45,7 +46,14 @@ class Run:
     def __init__(self, order: Order, hub_session: Any) -> None:
         scenario = order.script.scenario
         self._env = simpy.Environment(initial_time=0)
-        self._hub = Hub(hub_session, link.Keys(order.run), MODULES, self._lost)
+        self._hub = Hub(
+            hub_session,
+            link.Keys(order.run),
+            MODULES,
+            self._lost,
+            self._refused,
+            scenario.bus.patience_s,
+        )
         coordinator = coordinator_of(scenario)
         self._clock = VirtualClock(self._env, coordinator, self._carry_out, self._commit)
         drawn = draw(scenario, order.script.name)
@@ -78,6 +86,9 @@ class Run:
         if process in MODULES:
             self._clock.died(process)
         self._world.lost(process, how)
+
+    def _refused(self, refusal: RefusedError) -> None:
+        self._clock.refused(refusal)
 
     def _carry_out(self, grants: list[Grant]) -> list[Done]:
         if self._stop:

@@ -14,17 +14,15 @@ import simpy
 
 from bus.coordinator import Coordinator, Done, Grant, Handled, Said
 from bus.journal import Journal
-from bus.messages import Span
+from bus.messages import Message, Refused, Span
 from bus.protocol import CommitEntry
-from bus.topics import CLOCK
+from bus.topics import BUS, CLOCK
 from bus.turns import Voice
-from bus.wire import MessageId
+from bus.wire import MessageId, RefusedError
+from simworld.instants import GRANTS, call_at
 
 CarryOut: TypeAlias = Callable[[list[Grant]], list[Done]]
 Commit: TypeAlias = Callable[[list[CommitEntry]], None]
-
-AFTER_ALL = simpy.events.EventPriority(2)
-"""SimPy's priority for grants: after URGENT (0) and NORMAL (1) events of the same instant."""
 
 
 class VirtualClock:
@@ -47,9 +45,11 @@ class VirtualClock:
         self._commit = commit
         self._journal: Journal[CommitEntry] = Journal()
         self._voice = Voice(CLOCK)
+        self._bus_voice = Voice(BUS)
         self._armed_ns: int | None = None
         self._decided_by: dict[MessageId, Handled] = {}
         self.handlers_run = 0
+        self.refusals = 0
 
     @property
     def now_ns(self) -> int:
@@ -73,8 +73,17 @@ class VirtualClock:
         return "overrun" if self._coordinator.computing(process, self.now_ns) else "late input"
 
     def died(self, process: str) -> None:
-        """A process is gone."""
-        self._coordinator.died(process)
+        """A process is gone: what it was about to say is never said."""
+        self._coordinator.died(process, self.now_ns)
+        self._journal.drop(process, self.now_ns)
+
+    def refused(self, refusal: RefusedError) -> None:
+        """A message was not let in: it stands in the log from this moment on."""
+        self.refusals += 1
+        said = Refused(
+            refusal.topic, refusal.source, refusal.sequence, refusal.reason, self.refusals
+        )
+        self._log(self._bus_voice, said, self.now_ns, ())
 
     def finish(self) -> None:
         """Write down all that was said."""
@@ -88,10 +97,7 @@ class VirtualClock:
         if next_ns is None or (self._armed_ns is not None and self._armed_ns <= next_ns):
             return
         self._armed_ns = next_ns
-        event = simpy.Event(self._env)
-        event._ok, event._value = True, next_ns  # succeeded, as simpy.Timeout does it
-        event.callbacks.append(self._dispatch)
-        self._env.schedule(event, priority=AFTER_ALL, delay=next_ns - self.now_ns)
+        call_at(self._env, next_ns, GRANTS, self._dispatch, next_ns)
 
     def _dispatch(self, event: simpy.Event) -> None:
         if event.value != self._armed_ns:
@@ -124,5 +130,11 @@ class VirtualClock:
             handled.end_ns,
             handled.cells,
         )
-        sent = self._voice.sent(span, handled.end_ns, ((handled.source, handled.sequence),))
+        self._log(self._voice, span, handled.end_ns, ((handled.source, handled.sequence),))
+
+    def _log(
+        self, voice: Voice, message: Message, said_ns: int, parents: tuple[MessageId, ...]
+    ) -> None:
+        """Write down what nobody but the recorder hears."""
+        sent = voice.sent(message, said_ns, parents)
         self._note(Said(sent.topic, sent.source, sent.sequence, sent.said_ns), sent)

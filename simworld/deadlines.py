@@ -1,7 +1,8 @@
 """Deadlines as events, and the ledger of what became of each decision.
 
 A decision is asked for with a deadline. If it has not been heard by then, a miss fires at
-exactly that moment; whenever it ends, it leaves one :class:`~bus.messages.LedgerEntry`.
+exactly that moment, after all else that happens in it: what is heard at its very deadline is in
+time. Whenever it ends, it leaves one :class:`~bus.messages.LedgerEntry`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import simpy
 
 from bus.coordinator import Handled
 from bus.messages import DeadlineMissed, LedgerEntry, Message
+from simworld.instants import DEADLINES, call_at
 
 DECIDES = {"sensing": "classifier", "path": "decider", "reaction": "reactor"}
 """Which process makes each kind of decision."""
@@ -60,8 +62,7 @@ class Deadlines:
         now_ns = int(self._env.now)
         entry = _Open(self._asked, kind, visit, now_ns, until_ns)
         self._open[entry.decision] = entry
-        alarm = self._env.timeout(max(until_ns - now_ns, 0), value=entry)
-        alarm.callbacks.append(self._fire)
+        call_at(self._env, until_ns, DEADLINES, self._fire, entry)
         return entry.decision
 
     def _fire(self, alarm: simpy.Event) -> None:

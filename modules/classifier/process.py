@@ -19,6 +19,7 @@ from bus.messages import (
 )
 from bus.messages import Reading as Read
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.classifier.choose import STOP, ChoiceSettings, cells_before, choose
 from modules.classifier.geometry import WEDGES
 from modules.classifier.likelihood import Reading, junction_likelihood
@@ -37,6 +38,9 @@ class Classifier:
         self._arrived = False
         self._prior: JunctionPrior | None = None
         self._readings: tuple[Reading, ...] = ()
+        self._read_from: tuple[MessageId, ...] = ()  # the messages of these readings
+        self._asked_by: tuple[MessageId, ...] = ()
+        self._prior_from: tuple[MessageId, ...] = ()
         self._asked: AskedSensing | None = None
         self._branch: tuple[int, ...] = ()  # the next detector for each outcome
         self._running: int | None = None
@@ -53,6 +57,7 @@ class Classifier:
         self._visit, self._heading = said.visit, said.heading
         self._arrived = False
         self._readings, self._branch, self._running = (), (), None
+        self._read_from = ()
 
     def _came(self, _said: Arrival, turn: Turn) -> None:
         turn.work("note", 1)
@@ -62,11 +67,13 @@ class Classifier:
     def _expect(self, said: JunctionPrior, turn: Turn) -> None:
         turn.work("note", len(said.prior))
         self._prior = said
+        self._prior_from = (turn.heard,)
         self._decide(turn)
 
     def _ask(self, said: AskedSensing, turn: Turn) -> None:
         turn.work("note", 1)
         self._asked = said
+        self._asked_by = (turn.heard,)
         self._decide(turn)
 
     def _decide(self, turn: Turn) -> None:
@@ -94,7 +101,10 @@ class Classifier:
                 choice.next_detector,
                 choice.concluded_type,
                 best_nats,
-            )
+            ),
+            *self._asked_by,
+            *self._prior_from,
+            *self._read_from,
         )
         self._begin_first(turn)
 
@@ -112,6 +122,7 @@ class Classifier:
     def _read(self, said: Read, turn: Turn) -> None:
         reading = Reading(said.feature * WEDGES + said.wedge, said.evidence)
         self._readings = (*self._readings, reading)
+        self._read_from = (*self._read_from, turn.heard)
         # The question about this action came when it began, so its answer is known by now.
         following = self._branch[said.evidence]
         self._running = following if following != STOP else None
@@ -121,7 +132,10 @@ class Classifier:
     def _say_likelihood(self, turn: Turn, *, finished: bool) -> None:
         turn.work("reading", 16 * (1 + len(self._readings)))
         likelihood = junction_likelihood(self._readings, self._heading, self._model)
-        turn.say(JunctionLikelihood(self._visit, likelihood, len(self._readings), finished))
+        turn.say(
+            JunctionLikelihood(self._visit, likelihood, len(self._readings), finished),
+            *self._read_from,
+        )
 
 
 def build(_facts: Facts, settings: Settings, _seed: int) -> Classifier:

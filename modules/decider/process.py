@@ -14,6 +14,7 @@ from bus.facts import Facts
 from bus.grid import OPPOSITE
 from bus.messages import AskedPath, MapBelief, PathDecision
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.decider.decision import decide
 from modules.decider.effort import LADDER, largest_that_fits
 from modules.decider.settings import Settings
@@ -31,6 +32,7 @@ class Decider:
         self._settings = settings
         self._asked: AskedPath | None = None
         self._belief: MapBelief | None = None
+        self._made_from: dict[str, MessageId] = {}  # the question and the belief
         self.handlers: Mapping[str, Handler] = {
             "asked/path": self._ask,
             "belief/map": self._believe,
@@ -39,11 +41,13 @@ class Decider:
     def _ask(self, said: AskedPath, turn: Turn) -> None:
         turn.work("note", 1)
         self._asked = said
+        self._made_from["asked"] = turn.heard
         self._decide(turn)
 
     def _believe(self, said: MapBelief, turn: Turn) -> None:
         turn.work("note", 1)
         self._belief = said
+        self._made_from["belief"] = turn.heard
         self._decide(turn)
 
     def _decide(self, turn: Turn) -> None:
@@ -63,7 +67,8 @@ class Decider:
                 found.unknown_s,
                 found.explores.astype(np.uint8),
                 found.hypotheses,
-            )
+            ),
+            *self._made_from.values(),
         )
 
     def _situation(self, asked: AskedPath, belief: MapBelief) -> Situation:
@@ -79,7 +84,7 @@ class Decider:
             weights=belief.weights,
             log_probability=belief.log_probability,
             corridor_probability=belief.corridors,
-            corridor_s=belief.corridor_s,
+            corridor_s=belief.drive_s,
             sensing_s=self._settings.sensing_s,
         )
 

@@ -24,6 +24,7 @@ from bus.messages import (
     SensingDecision,
 )
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.detectors.actions import ping_offsets_rad, plan
 from modules.detectors.interpret import interpret
 from modules.detectors.settings import Settings
@@ -43,8 +44,10 @@ class Detectors:
         self._first = 0  # actions up to this one belong to visits before
         self._detector = STOP
         self._scans: list[NDArray[np.float64]] = []
+        self._scanned: list[MessageId] = []  # the messages of these scans
         self._outcome: int | None = None  # of the action that ended; None while it runs
-        self._decisions: dict[tuple[int, int], SensingDecision] = {}
+        self._outcome_from: tuple[MessageId, ...] = ()  # the message that told the outcome
+        self._decisions: dict[tuple[int, int], tuple[SensingDecision, MessageId]] = {}
         self.handlers: Mapping[str, Handler] = {
             "percept/arrival": self._arrived,
             "percept/action": self._ended,
@@ -54,14 +57,14 @@ class Detectors:
 
     def _decided(self, said: SensingDecision, turn: Turn) -> None:
         turn.work("note", 1)
-        self._decisions[said.visit, said.action] = said
+        self._decisions[said.visit, said.action] = said, turn.heard
         self._go_on(turn)
 
     def _arrived(self, said: Arrival, turn: Turn) -> None:
         turn.work("note", 1)
         self._visit = said.visit
         self._first = self._action
-        self._outcome = 0
+        self._outcome, self._outcome_from = 0, (turn.heard,)
         self._go_on(turn)
 
     def _heard(self, said: Ranges, turn: Turn) -> None:
@@ -70,6 +73,7 @@ class Detectors:
             return
         turn.work("scan", len(said.mean_m))
         self._scans.append(said.mean_m)
+        self._scanned.append(turn.heard)
 
     def _ended(self, said: ActionEnded, turn: Turn) -> None:
         ranges_m = np.array(self._scans)
@@ -78,9 +82,10 @@ class Detectors:
         offsets_rad = np.array(ping_offsets_rad())
         found = interpret(feature, wedge, ranges_m, offsets_rad, self._width_m)
         turn.say(
-            Reading(self._visit, said.action, feature, wedge, found.probability, found.evidence)
+            Reading(self._visit, said.action, feature, wedge, found.probability, found.evidence),
+            *self._scanned,
         )
-        self._outcome = found.evidence
+        self._outcome, self._outcome_from = found.evidence, (turn.heard,)
         self._go_on(turn)
 
     def _go_on(self, turn: Turn) -> None:
@@ -88,19 +93,20 @@ class Detectors:
         if self._outcome is None:
             return
         after = self._action if self._action > self._first else 0
-        decision = self._decisions.pop((self._visit, after), None)
-        if decision is None:
+        if (self._visit, after) not in self._decisions:
             return
+        decision, decided_by = self._decisions.pop((self._visit, after))
         detector = int(decision.next_detector[self._outcome])
         self._outcome = None
         if detector == STOP:
             return
         self._detector = detector
         self._action += 1
-        self._scans = []
+        self._scans, self._scanned = [], []
         steps = plan(*divmod(detector, WEDGES), self._width_m)
         rows = np.array([(STEP_KIND[step.kind], step.amount) for step in steps], np.float64)
-        turn.say(Motion(self._visit, after, self._action, detector, rows))
+        motion = Motion(self._visit, after, self._action, detector, rows)
+        turn.say(motion, decided_by, *self._outcome_from)
 
 
 def build(facts: Facts, _settings: Settings, _seed: int) -> Detectors:

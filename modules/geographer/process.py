@@ -23,6 +23,7 @@ from bus.messages import (
     PoseBelief,
 )
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.geographer.connected_maps import ConnectedMaps
 from modules.geographer.record import neighbour, nothing
 from modules.geographer.roads import unknown_roads
@@ -46,6 +47,7 @@ class Geographer:
         self._visit = 0
         self._classifying = False
         self._leaving: Departure | None = None
+        self._made_from: dict[str, MessageId] = {}  # the last message that went in, by topic
         self.handlers: Mapping[str, Handler] = {
             "percept/departure": self._departed,
             "percept/arrival": self._arrived,
@@ -60,17 +62,20 @@ class Geographer:
     def _departed(self, said: Departure, turn: Turn) -> None:
         turn.work("note", 1)
         self._leaving = said
+        self._made_from["percept/departure"] = turn.heard
         self._look_ahead(turn)
 
     def _classified(self, said: JunctionLikelihood, turn: Turn) -> None:
         turn.work("note", len(said.likelihood))
         if said.finished:
             self._record = self._record.with_junction(self._place, said.likelihood)
+            self._made_from["likelihood/junction"] = turn.heard
             self._classifying = False
             self._look_ahead(turn)
 
     def _arrived(self, said: Arrival, turn: Turn) -> None:
         turn.work("note", 1)
+        self._made_from["percept/arrival"] = turn.heard
         if said.visit > 0:  # the first drive begins in the middle of a corridor
             corridor = self._grid.corridor(*self._grid.place(self._place), said.heading)
             self._roads = self._roads.driven(corridor, said.drive_s)
@@ -112,7 +117,9 @@ class Geographer:
         )
         turn.work("belief", self._maps.update_cells * (1 + maps.updates))
         x, y = self._grid.place(self._ahead)
-        turn.say(JunctionPrior(self._visit, x, y, self._heading, belief.junctions[y, x].copy()))
+        made_from = self._made_from.values()
+        ahead = belief.junctions[y, x].copy()
+        turn.say(JunctionPrior(self._visit, x, y, self._heading, ahead), *made_from)
         turn.say(
             MapBelief(
                 self._visit,
@@ -127,7 +134,8 @@ class Geographer:
                 maps.maps,
                 maps.weights,
                 maps.log_probability,
-            )
+            ),
+            *made_from,
         )
 
 

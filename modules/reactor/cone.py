@@ -32,7 +32,7 @@ EDGES: Floats = np.stack(
 """Unit vectors along the left and the right edge of each cone, (cones, 4)."""
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def heard_in_cone(
     ahead_m: float, left_m: float, radius_m: float, cone: int
 ) -> tuple[float, bool]:

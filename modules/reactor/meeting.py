@@ -14,7 +14,7 @@ from numba import njit
 ACTS = ("continue", "slow", "stop", "pull aside left", "pull aside right", "back up")
 """The words of ``decision/reaction``."""
 
-CONTINUE = ACTS.index("continue")
+CONTINUE, LEFT, RIGHT = map(ACTS.index, ("continue", "pull aside left", "pull aside right"))
 
 GRAZE_M = 1e-9
 """Who comes exactly as near as the radii does not touch, whatever the rounding."""
@@ -71,7 +71,8 @@ class Motion(NamedTuple):
 class Walking(NamedTuple):
     """How people walk. One who yields sidesteps at ``notices_m`` to ``aside_m`` off the centre.
 
-    He goes to the side that the robot will leave free ``foresees_s`` later.
+    He goes to the side that the robot leaves free, and sees ``foresees_s`` ahead that it pulls
+    aside.
     """
 
     radius_m: float = 0.25
@@ -81,7 +82,7 @@ class Walking(NamedTuple):
     foresees_s: float = 1.0
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def touches_walker(
     motion: Motion,
     yields: bool,
@@ -122,7 +123,7 @@ def touches_walker(
     return False
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def touches_standing(
     motion: Motion, ahead_m: float, line_m: float, until_s: float, body: Body, walking: Walking
 ) -> bool:
@@ -144,7 +145,7 @@ def touches_standing(
     return False
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def least_separation_m(x0: float, y0: float, x1: float, y1: float) -> float:
     """Least distance from the origin of a straight piece of way."""
     dx, dy = x1 - x0, y1 - y0
@@ -157,7 +158,7 @@ def least_separation_m(x0: float, y0: float, x1: float, y1: float) -> float:
     return least
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _comes_within(reach_m: float, x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether a straight piece of way comes nearer to the origin than a distance."""
     if min(x0, x1) > reach_m or min(y0, y1) > reach_m or max(y0, y1) < -reach_m:
@@ -166,19 +167,20 @@ def _comes_within(reach_m: float, x0: float, y0: float, x1: float, y1: float) ->
     return near
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _free_side_m(
     motion: Motion, noticed_s: float, line_m: float, body: Body, walking: Walking
 ) -> float:
-    """Where a person who yields sidesteps to."""
-    foreseen_s = noticed_s + walking.foresees_s
-    robot = _towards(motion.from_m, motion.goal_m, motion.lateral_m_s * foreseen_s)
+    """Where a person who yields sidesteps to: away from a robot that is aside or going there."""
+    robot = _towards(motion.from_m, motion.goal_m, motion.lateral_m_s * noticed_s)
+    if (motion.goal_m - robot) * robot >= 0.0:
+        robot = _towards(robot, motion.goal_m, motion.lateral_m_s * walking.foresees_s)
     if abs(robot) > body.radius_m / 2:
         return -walking.aside_m if robot > 0.0 else walking.aside_m
     return walking.aside_m if line_m >= robot else -walking.aside_m
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _towards(value: float, goal: float, step: float) -> float:
     """``value`` moved towards ``goal`` by at most ``step``."""
     return value + min(max(goal - value, -step), step)

@@ -5,28 +5,37 @@ Nobody tells it that something comes: it must notice by itself.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from bus.facts import Facts
 from bus.messages import Attention, Departure, Ranges, ReactionDecision
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.reactor.meeting import Body
 from modules.reactor.react import Reaction, react
 from modules.reactor.settings import Settings
 from modules.reactor.tables import Settings as Reacting
+from modules.reactor.tables import compiled
 from modules.reactor.track import Scan, Tracker, updated
 
 
 class Reactor:
-    """Keeps what it believes to be ahead, and what it last told the body to do."""
+    """Keeps what it believes to be ahead, and what it last told the body to do.
+
+    It says an act when it differs from the one that is being done, and once for every thing
+    that certainly approaches, even where going on is best.
+    """
 
     def __init__(self, facts: Facts, settings: Settings) -> None:
         self._attention_s = settings.attention_s
-        self._reacting = Reacting(body=Body(speed_m_s=facts.speed_m_s))
+        self._diagram = compiled(Reacting(body=Body(speed_m_s=facts.speed_m_s)))
         self._tracker = Tracker()
         self._act = "continue"
+        self._answered_s = -math.inf
         self._attentive = False
         self._lateral_m = 0.0
+        self._scan_before: tuple[MessageId, ...] = ()  # the last that went into the track
         self.handlers: Mapping[str, Handler] = {
             "percept/departure": self._departed,
             "belief/ranges": self._heard,
@@ -35,7 +44,9 @@ class Reactor:
     def _departed(self, _said: Departure, turn: Turn) -> None:
         turn.work("note", 1)
         self._tracker = Tracker()
+        self._scan_before = ()
         self._act, self._lateral_m = "continue", 0.0
+        self._answered_s = -math.inf
         self._attend(turn, False)
 
     def _heard(self, said: Ranges, turn: Turn) -> None:
@@ -48,16 +59,24 @@ class Reactor:
         self._tracker = updated(self._tracker, scan)
         turn.work("track", self._tracker.cells)
         self._attend(turn, self._tracker.wants_attention or self._act != "continue")
-        reaction = react(self._tracker, self._reacting)
-        if reaction is not None and reaction.act != self._act:
-            self._say(reaction, turn)
+        reaction = react(self._tracker, self._act, self._diagram)
+        if reaction is not None:
+            turn.work("reaction", reaction.cells)
+            if reaction.due and (reaction.act != self._act or self._is_new(reaction)):
+                self._say(reaction, turn)
+        self._scan_before = (turn.heard,)
+
+    def _is_new(self, reaction: Reaction) -> bool:
+        """Whether something certainly approaches about which nothing has been said yet."""
+        return reaction.answers_s > self._answered_s
 
     def _moved_aside_m(self, time_s: float) -> float:
         """How far left of the centre line the last act has brought the robot by now."""
         before_s = self._tracker.time_s
         if before_s is None:
             return 0.0
-        return float(self._reacting.body.across_m(self._act, self._lateral_m, time_s - before_s))
+        body = self._diagram.settings.body
+        return body.across_m(self._act, self._lateral_m, time_s - before_s)
 
     def _attend(self, turn: Turn, attentive: bool) -> None:
         if attentive != self._attentive:
@@ -66,8 +85,9 @@ class Reactor:
 
     def _say(self, reaction: Reaction, turn: Turn) -> None:
         self._act = reaction.act
-        turn.work("reaction", reaction.cells)
-        turn.say(ReactionDecision(reaction.act, reaction.expected_utility, reaction.approaching))
+        self._answered_s = max(self._answered_s, reaction.answers_s)
+        said = ReactionDecision(reaction.act, reaction.expected_utility, reaction.approaching)
+        turn.say(said, *self._scan_before)
 
 
 def build(facts: Facts, settings: Settings, _seed: int) -> Reactor:

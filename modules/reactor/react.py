@@ -2,107 +2,143 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from modules.reactor.cone import Floats
-from modules.reactor.meeting import ACTS
-from modules.reactor.tables import (
-    SIDES_M,
-    TTC_CLASSES,
-    TTC_EDGES_S,
-    TTC_S,
-    WHAT,
-    Settings,
-    utility_table,
-)
-from modules.reactor.thing import LINES_M, SPEEDS_M_S, Thing
+from modules.reactor.meeting import ACTS, CONTINUE
+from modules.reactor.react_kernels import expected, in_classes
+from modules.reactor.tables import SIDES_M, Diagram, Settings
 from modules.reactor.track import Tracker
+from modules.reactor.track_kernels import APPROACHING, FALSE, FIRST_S, PINGS, STANDS_AT_M
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Encounter:
     """What is believed of one thing, as the influence diagram needs it.
 
-    ``what`` (what, ttc, line) sums to 1; ``side`` is the index in SIDES_M of where the robot is.
+    ``what`` (what, ttc, line) sums to 1; ``side`` is the index in SIDES_M of where the robot is;
+    ``soon`` the probability that the thing is here within ``soon_s``.
     """
 
     what: Floats
     side: int
+    soon: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """What comes of each act in the order of ACTS, as far as one thing is concerned.
+
+    ``risk`` P(collision) and ``loss`` the expected loss besides, in seconds of the robot's
+    time; ``approaching`` the probability that the thing walks towards the robot; ``cells`` the
+    table entries touched; ``soon`` as in :class:`Encounter`.
+    """
+
+    risk: Floats
+    loss: Floats
+    approaching: float
+    cells: int
+    soon: float
+
+
+@dataclass(frozen=True, slots=True)
 class Reaction:
-    """An act and why: expected utility of each act in the order of ACTS (seconds of time).
+    """The best act and why: expected utility of each act in the order of ACTS (seconds of time).
 
-    ``approaching`` is the probability that the thing walks towards the robot, ``collision_s``
-    the expected time to collision if it is real (the middles of the classes; inf for nothing).
+    ``approaching`` is the probability that something walks towards the robot. ``due`` says
+    whether to act on it now; if not, another ping comes in time. ``answers_s`` is when the
+    newest thing was first heard that certainly approaches (-inf for none), ``cells`` the table
+    entries touched.
     """
 
     act: str
     expected_utility: Floats
     approaching: float
-    collision_s: float
     cells: int
-
-    @property
-    def side(self) -> str:
-        """``"left"``, ``"right"`` or ``""``: to which side the robot pulls."""
-        return self.act.removeprefix("pull aside ") if self.act.startswith("pull") else ""
+    due: bool
+    answers_s: float = -math.inf
 
 
-def encounter(thing: Thing, lateral_m: float, settings: Settings) -> Encounter:
+def encounter(belief: Floats, false: float, lateral_m: float, settings: Settings) -> Encounter:
     """The belief about a thing in the classes of the influence diagram."""
-    body, walking = settings.body, settings.walking
-    reach = body.radius_m + walking.radius_m
-    closing = SPEEDS_M_S[:, None] + body.speed_m_s
-    seconds = np.maximum((thing.distance_m - reach) / closing, 0.0)
-    ttc = np.clip(np.searchsorted(TTC_EDGES_S, seconds, side="right") - 1, 0, TTC_CLASSES - 1)
-    what = np.zeros((len(WHAT), TTC_CLASSES, len(LINES_M)))
-    what[0, -1] = thing.false / len(LINES_M)
-    kind = np.where(SPEEDS_M_S > 0, 2, 1)[:, None]
-    line = np.arange(len(LINES_M))[None, :]
-    np.add.at(what, (np.broadcast_to(kind, ttc.shape), ttc, line + 0 * ttc), thing.weight)
-    side = int(np.abs(SIDES_M - lateral_m).argmin())
-    return Encounter(what, side)
+    body = settings.body
+    reach_m = body.radius_m + settings.walking.radius_m
+    what, soon = in_classes(belief, false, reach_m, body.speed_m_s, settings.soon_s)
+    side = round((lateral_m - SIDES_M[0]) / (SIDES_M[1] - SIDES_M[0]))
+    return Encounter(what, min(max(side, 0), len(SIDES_M) - 1), soon)
 
 
-def decide(met: Encounter, settings: Settings) -> Reaction:
-    """The act of highest expected utility; on a tie the first of ACTS."""
-    likely = np.nonzero(met.what)
-    table = utility_table(settings)[met.side]
-    real = met.what[1:].sum(axis=(0, 2))
-    utility: Floats = table[:, *likely] @ met.what[likely]
-    return Reaction(
-        act=ACTS[int(utility.argmax())],
-        expected_utility=utility,
-        approaching=float(met.what[2].sum()),
-        collision_s=float(real @ TTC_S / real.sum()) if real.sum() > 0 else np.inf,
-        cells=len(ACTS) * len(likely[0]),
-    )
+def outlook(met: Encounter, diagram: Diagram) -> Outlook:
+    """What comes of each act in an encounter."""
+    return Outlook(*expected(met.what, diagram.risk[met.side], diagram.loss), soon=met.soon)
 
 
-def react(tracker: Tracker, settings: Settings) -> Reaction | None:
-    """What to do now; None for "go on with what you are doing".
+def utilities(outlooks: Sequence[Outlook], doing: int, diagram: Diagram) -> Floats:
+    """Expected utility of each act with all things together, (acts,).
+
+    The things threaten independently; the act is delayed or blocks somebody's way only once.
+    ``doing`` is the index of the act that is being done, from which any other is a change.
+    """
+    if len(outlooks) == 1:
+        risk, loss = outlooks[0].risk, outlooks[0].loss
+    else:
+        risk = 1.0 - np.prod([1.0 - one.risk for one in outlooks], axis=0)
+        loss = np.max([one.loss for one in outlooks], axis=0)
+    collision = diagram.settings.collision
+    utility: Floats = -collision * risk - loss - diagram.change[doing]
+    return utility
+
+
+def react(tracker: Tracker, doing: str, diagram: Diagram) -> Reaction | None:
+    """What to do now, the act of highest expected utility; None if nothing is worth a thought.
 
     A single echo tells neither speed nor truth, so it asks for attention
-    (:attr:`Tracker.wants_attention`) and not for an act. Of several things the one decides that
-    has most to say against going on. When nothing has called for attention for
-    ``settings.clear_s`` seconds the act is to continue.
+    (:attr:`Tracker.wants_attention`) and not for an act. A robot that has stopped or pulled
+    aside goes on when nothing has called for attention for ``settings.clear_s`` seconds, and
+    not before.
     """
-    known = [t for t in tracker.things if t.pings > 1]
-    reactions = [decide(encounter(t, tracker.lateral_m, settings), settings) for t in known]
-    acting = [r for r in reactions if r.act != "continue" and not _can_wait(r, settings)]
-    cells = sum(r.cells for r in reactions)
-    if acting:
-        worst = max(acting, key=lambda r: float(r.expected_utility.max() - r.expected_utility[0]))
-        return replace(worst, cells=cells)
-    if tracker.quiet_s < settings.clear_s:
+    settings = diagram.settings
+    clear = tracker.quiet_s >= settings.clear_s
+    met = [(k, note) for k, note in enumerate(tracker.notes.tolist()) if _matters(note, settings)]
+    if met:
+        outlooks = [
+            outlook(encounter(tracker.beliefs[k], note[FALSE], tracker.lateral_m, settings), diagram)
+            for k, note in met
+        ]
+        utility = utilities(outlooks, ACTS.index(doing), diagram)
+        best = int(utility.argmax())
+        goes_on = best == CONTINUE and doing != "continue"
+        return Reaction(
+            act=ACTS[best],
+            expected_utility=utility,
+            approaching=tracker.approaching,
+            cells=sum(one.cells for one in outlooks),
+            due=clear if goes_on else _is_due(outlooks, best, settings),
+            answers_s=max(_sure(note, settings) for _, note in met),
+        )
+    if doing == "continue" or not clear:
         return None
-    return Reaction("continue", np.zeros(len(ACTS)), tracker.approaching, np.inf, cells)
+    return Reaction("continue", -diagram.loss[:, 0], tracker.approaching, len(ACTS), due=True)
 
 
-def _can_wait(reaction: Reaction, settings: Settings) -> bool:
-    """Whether another ping comes before the act is due, and may show that it was for nothing."""
-    return reaction.approaching < settings.sure and reaction.collision_s > settings.soon_s
+def _sure(note: Sequence[float], settings: Settings) -> float:
+    """When a thing was first heard if it certainly approaches, else -inf."""
+    return note[FIRST_S] if note[APPROACHING] > settings.sure else -math.inf
+
+
+def _matters(note: Sequence[float], settings: Settings) -> bool:
+    """Whether a thing is known well enough, and may be in the way."""
+    near = note[STANDS_AT_M] < settings.near_m
+    return note[PINGS] > 1 and (near or note[APPROACHING] > settings.possible)
+
+
+def _is_due(outlooks: Sequence[Outlook], act: int, settings: Settings) -> bool:
+    """Whether to act now: enough is known, or waiting for another ping may be too late."""
+    risk = max(float(one.risk[act]) for one in outlooks)
+    known = max(one.approaching for one in outlooks) > settings.sure
+    soon = max(one.soon for one in outlooks) > settings.hurry
+    return soon or (known and risk < settings.accepts)

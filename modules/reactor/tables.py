@@ -1,9 +1,10 @@
 """The influence diagram of an encounter, compiled to one table.
 
 Chance nodes: *what* the thing is, whether it *yields*, its *line*, its *time to collision*
-class; known: how far across the corridor the robot is; decision: the *act*; utility: collision,
-delay, blocking. What cannot be observed and does not depend on an act (yields) is summed out
-beforehand, so that an encounter costs one weighted sum for each act.
+class; known: how far across the corridor the robot is, and what it is doing; decision: the
+*act*; utility: collision, delay, blocking, changing one's mind. What cannot be observed and
+does not depend on an act (yields) is summed out beforehand, so that an encounter costs one
+weighted sum for each act.
 
 P(collision | ...) is computed from the geometry (:mod:`modules.reactor.meeting`). The
 preferences and P(yields) are assumptions; the unit of utility is a second of the robot's time.
@@ -13,14 +14,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
+from numba import njit
 
 from modules.reactor.cone import Floats
 from modules.reactor.meeting import (
     ACTS,
+    LEFT,
+    RIGHT,
     Body,
+    Motion,
     Walking,
     touches_standing,
     touches_walker,
@@ -28,7 +32,9 @@ from modules.reactor.meeting import (
 from modules.reactor.thing import LINE_EDGES_M
 
 WHAT = ("false echo", "stands", "walks")
-SIDES_M: Floats = np.linspace(-0.7, 0.7, 29)
+FALSE_ECHO, STANDS, WALKS = range(3)
+
+SIDES_M: Floats = np.linspace(-0.65, 0.65, 27)
 """Where across the corridor the robot may be, every 5 cm; a table for each."""
 
 TTC_EDGES_S: Floats = np.array(
@@ -36,15 +42,15 @@ TTC_EDGES_S: Floats = np.array(
 )
 """Edges of the classes of time to collision; beyond the last counts as the last.
 
-Narrow about 1.8 s, which is what pulling aside takes: there the best act changes.
+Narrow about 1.7 s, which is what getting out of the way takes: there the best act changes.
 """
 
-TTC_S: Floats = (TTC_EDGES_S[1:] + TTC_EDGES_S[:-1]) / 2
 TTC_CLASSES = len(TTC_EDGES_S) - 1
-POINTS = 4
-"""Points inside each class, line and spread of speeds at which the geometry is looked at."""
+SECONDS, LINES = 4, 2
+"""Points inside each class of time and inside each line at which the geometry is looked at."""
 
 PACES_M_S: Floats = np.array([0.8, 1.3, 1.8])
+"""Speeds at which it is looked at."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +59,16 @@ class Settings:
 
     ``collision``, ``delay_s`` and ``blocking`` are losses in seconds of the robot's time;
     ``delay_s`` and ``blocking`` by (act, what), acts as in ACTS, whats as in WHAT. A collision
-    is worth a quarter of an hour; standing in the middle of somebody's way annoys him. Whether
-    a person yields is an assumption too: most look up.
-    An act is put off to the next ping while collision is further off than ``soon_s`` (what
-    pulling aside takes and a second to think) and P(approaching) is less than ``sure``.
-    ``again_s`` is how soon a thing that stands is thought about again: two ordinary pings.
+    is worth a quarter of an hour; standing in the middle of somebody's way annoys him; doing
+    something else than now costs ``change_s``, and crossing over from one side to the other
+    ``cross_s``, for it takes the person by surprise. Whether a person yields is an assumption
+    too: most look up.
+
+    What approaches with less than ``possible`` is not thought about. An act can wait for the
+    next ping, which may show more, until P(approaching) is above ``sure`` and P(collision)
+    below ``accepts``; but no longer than until something is here within ``soon_s`` (what
+    pulling aside takes and nearly a second to think) with a probability of ``hurry``. ``again_s`` is how soon a thing that stands is thought about again: two
+    ordinary pings; beyond ``near_m`` it is not thought about at all. ``clear_s`` is how long nothing may be heard before the robot goes on.
     """
 
     yields: float = 0.7
@@ -78,46 +89,26 @@ class Settings:
         (0.0, 0.0, 0.0),
         (0.0, 0.0, 2.0),
     )
+    change_s: float = 8.0
+    cross_s: float = 12.0
     again_s: float = 4.0
+    near_m: float = 1.5
     clear_s: float = 3.0
-    sure: float = 0.99
-    soon_s: float = 3.0
+    possible: float = 0.01
+    sure: float = 0.95
+    accepts: float = 0.001
+    soon_s: float = 2.75
+    hurry: float = 0.1
     body: Body = field(default_factory=Body)
     walking: Walking = field(default_factory=Walking)
-
-
-def points_in(edges: Floats) -> Floats:
-    """Evenly spread points inside each class: (classes, POINTS)."""
-    share = (np.arange(POINTS) + 0.5) / POINTS
-    return edges[:-1, None] + np.diff(edges)[:, None] * share
 
 
 def collision_table(settings: Settings) -> Floats:
     """P(collision | side, act, what, yields, ttc, line), from the geometry of the corridor.
 
-    Shape (29, 6, 3, 2, 13, 9). Within a class everything is equally likely.
+    Shape (27, 6, 3, 2, 13, 17). Within a class everything is equally likely.
     """
     return _collisions(settings.body, settings.walking, settings.again_s)
-
-
-@lru_cache(maxsize=8)
-def _collisions(body: Body, walking: Walking, again_s: float) -> Floats:
-    """The collision table, which does not depend on preferences."""
-    lines = points_in(LINE_EDGES_M)[None, :, None, :, None]
-    seconds = points_in(TTC_EDGES_S)[:, None, :, None, None]
-    reach = body.radius_m + walking.radius_m
-    shape = (len(SIDES_M), len(ACTS), len(WHAT), 2, TTC_CLASSES, len(LINE_EDGES_M) - 1)
-    table = np.zeros(shape)
-    standing = reach + seconds[..., 0] * body.speed_m_s
-    walker = reach + seconds * (PACES_M_S + body.speed_m_s)
-    for (i, side), (a, act) in product(enumerate(SIDES_M), enumerate(ACTS)):
-        stands = touches_standing(act, side, standing, lines[..., 0], again_s, body, walking)
-        table[i, a, 1, :] = stands.mean(axis=(2, 3))
-        for yields in (0, 1):
-            hit = touches_walker(act, bool(yields), side, walker, lines, PACES_M_S, body, walking)
-            table[i, a, 2, yields] = hit.mean(axis=(2, 3, 4))
-    table.setflags(write=False)
-    return table
 
 
 def loss_table(settings: Settings) -> Floats:
@@ -126,11 +117,90 @@ def loss_table(settings: Settings) -> Floats:
     return loss
 
 
-@lru_cache(maxsize=8)
-def utility_table(settings: Settings) -> Floats:
-    """Expected utility by (side, act, what, ttc, line), with yields summed out."""
+@dataclass(frozen=True, eq=False)
+class Diagram:
+    """The influence diagram, compiled.
+
+    ``risk`` (side, act, what, ttc, line) is P(collision) with yields summed out; ``loss``
+    (act, what) what an act costs besides; ``change`` (act, act) what it costs to do the second
+    after the first.
+    """
+
+    settings: Settings
+    risk: Floats
+    loss: Floats
+    change: Floats
+
+
+def compiled(settings: Settings) -> Diagram:
+    """The diagram with these preferences."""
     odds = np.array([1.0 - settings.yields, settings.yields])
-    collision = np.einsum("sawytl,y->sawtl", collision_table(settings), odds)
-    table: Floats = -settings.collision * collision - loss_table(settings)[None, :, :, None, None]
-    table.setflags(write=False)
+    risk: Floats = np.ascontiguousarray(
+        np.moveaxis(collision_table(settings), 3, -1) @ odds
+    )
+    return Diagram(settings, risk, loss_table(settings), change_table(settings))
+
+
+def change_table(settings: Settings) -> Floats:
+    """What it costs to do another act (column) than now (row): (acts, acts)."""
+    change: Floats = settings.change_s * (1.0 - np.eye(len(ACTS)))
+    change[LEFT, RIGHT] = change[RIGHT, LEFT] = settings.cross_s
+    return change
+
+
+@lru_cache(maxsize=8)
+def _collisions(body: Body, walking: Walking, again_s: float) -> Floats:
+    """The collision table, which does not depend on preferences."""
+    lines, seconds = _points_in(LINE_EDGES_M, LINES), _points_in(TTC_EDGES_S, SECONDS)
+    table = np.zeros((len(SIDES_M), len(ACTS), len(WHAT), 2, *seconds.shape[:1], *lines.shape[:1]))
+    mirror = [ACTS.index(_mirrored(act)) for act in ACTS]
+    for side, lateral_m in enumerate(SIDES_M[: len(SIDES_M) // 2 + 1]):
+        for a, act in enumerate(ACTS):
+            motion = body.motion(act, float(lateral_m))
+            _fill(table[side, a], motion, lines, seconds, PACES_M_S, again_s, body, walking)
+    for side in range(len(SIDES_M) // 2):
+        table[-1 - side] = table[side, mirror][..., ::-1]
     return table
+
+
+def _mirrored(act: str) -> str:
+    """The same act on the other side."""
+    swap = {"left": "right", "right": "left"}
+    return " ".join(swap.get(word, word) for word in act.split(" "))
+
+
+def _points_in(edges: Floats, count: int) -> Floats:
+    """Evenly spread points inside each class: (classes, count)."""
+    share = (np.arange(count) + 0.5) / count
+    points: Floats = edges[:-1, None] + np.diff(edges)[:, None] * share
+    return points
+
+
+@njit(cache=True)
+def _fill(
+    table: Floats,
+    motion: Motion,
+    lines_m: Floats,
+    seconds: Floats,
+    paces_m_s: Floats,
+    again_s: float,
+    body: Body,
+    walking: Walking,
+) -> None:
+    """The collision table of one side and act, (what, yields, ttc, line)."""
+    reach = body.radius_m + walking.radius_m
+    for ttc in range(len(seconds)):
+        for line in range(len(lines_m)):
+            stands = 0
+            walks = np.zeros(2)
+            for second in seconds[ttc]:
+                for y in lines_m[line]:
+                    at = reach + second * body.speed_m_s
+                    stands += touches_standing(motion, at, y, again_s, body, walking)
+                    for pace in paces_m_s:
+                        at = reach + second * (pace + body.speed_m_s)
+                        walks[0] += touches_walker(motion, False, at, y, pace, body, walking)
+                        walks[1] += touches_walker(motion, True, at, y, pace, body, walking)
+            points = seconds.shape[1] * lines_m.shape[1]
+            table[STANDS, :, ttc, line] = stands / points
+            table[WALKS, :, ttc, line] = walks / (points * len(paces_m_s))

@@ -9,6 +9,7 @@ import numpy as np
 from bus.facts import Facts
 from bus.messages import Odometry, PoseBelief, Ranges, Sonar
 from bus.turns import Handler, Turn
+from bus.wire import MessageId
 from modules.sensor.pose import moved, start
 from modules.sensor.ranges import range_belief
 from modules.sensor.settings import Settings
@@ -26,6 +27,8 @@ class Sensor:
         self._driven_m = 0.0
         self._speed_m_s = 0.0
         self._before_m = np.full(0, np.nan)
+        self._before_from: tuple[MessageId, ...] = ()  # the message of the ping before
+        self._moved_by: tuple[MessageId, ...] = ()  # the last report of the wheels
         self.handlers: Mapping[str, Handler] = {
             "percept/odometry": self._odometry,
             "percept/sonar": self._sonar,
@@ -33,6 +36,7 @@ class Sensor:
 
     def _odometry(self, said: Odometry, turn: Turn) -> None:
         turn.work("note", 9)
+        self._moved_by = (turn.heard,)
         self._pose = moved(self._pose, said.distance_m, said.turn_rad)
         self._driven_m += said.distance_m
         self._speed_m_s = said.distance_m / said.elapsed_s if said.elapsed_s > 0 else 0.0
@@ -60,8 +64,11 @@ class Sensor:
                 belief.sigma_m,
                 belief.echo,
                 speed_m_s,
-            )
+            ),
+            *(self._moved_by if driving else ()),
+            *(self._before_from if known else ()),
         )
+        self._before_from = (turn.heard,)
 
 
 def build(_facts: Facts, _settings: Settings, _seed: int) -> Sensor:

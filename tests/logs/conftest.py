@@ -80,7 +80,7 @@ def map_belief(
         heading=1,
         junctions=np.full((2, 2, 16), 1 / 16),
         corridors=np.array(corridors),
-        corridor_s=np.full(4, 240.0),
+        drive_s=np.full(4, 240.0),
         log_evidence=-1.5,
         entropy=0.75 / (visit + 1),
         maps=np.array(maps, dtype=np.uint8).reshape(len(maps), 4),

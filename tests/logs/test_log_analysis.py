@@ -15,8 +15,9 @@ import pytest
 
 from bus.topics import TOPICS
 from bus.wire import Sent
-from logs.analysis import Analysis, Errand, Load, RefusedMessages, analyse, to_json
+from logs.analysis import Analysis, Errand, RefusedMessages, analyse, to_json
 from logs.decisions import Decisions, LateDecision
+from logs.loads import Load
 from logs.reader import LogReadError
 
 MakeLog: TypeAlias = Callable[[list[Sent]], Path]

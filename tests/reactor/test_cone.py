@@ -11,17 +11,17 @@ from modules.reactor.cone import heard_in_cone
 from simworld.building import build
 from simworld.sonar import SonarRing, true_ranges_m
 
-HALF = math.radians(15.0)
+AHEAD, LEFT, RIGHT = range(3)
 
 
-def one(ahead: float, left: float, axis_deg: float) -> tuple[float, bool]:
+def one(ahead: float, left: float, cone: int) -> tuple[float, bool]:
     """Range and heard of a disc of radius 0.25."""
-    found = heard_in_cone(np.array(ahead), np.array(left), 0.25, math.radians(axis_deg), HALF)
-    return float(found[0]), bool(found[1])
+    range_m, heard = heard_in_cone(ahead, left, 0.25, cone)
+    return float(range_m), bool(heard)
 
 
 def test_straight_ahead_is_heard_a_radius_nearer() -> None:
-    range_m, heard = one(5.0, 0.0, 0.0)
+    range_m, heard = one(5.0, 0.0, AHEAD)
     assert heard
     assert range_m == pytest.approx(4.75)
 
@@ -29,15 +29,15 @@ def test_straight_ahead_is_heard_a_radius_nearer() -> None:
 def test_a_cone_that_is_grazed_hears_it_later() -> None:
     # The cone to the right ends at bearing 0, the x axis: it cuts the disc at (5, 0.15) at
     # x = 5 - sqrt(0.25^2 - 0.15^2) = 4.8; the nearest point is at sqrt(25.0225) - 0.25.
-    right, left = one(5.0, 0.15, -15.0), one(5.0, 0.15, 15.0)
+    right, left = one(5.0, 0.15, RIGHT), one(5.0, 0.15, LEFT)
     assert right[1] and left[1]
     assert right[0] == pytest.approx(4.8)
     assert left[0] == pytest.approx(math.hypot(5.0, 0.15) - 0.25)
 
 
 def test_a_cone_beside_it_does_not_hear_it() -> None:
-    assert not one(5.0, 0.26, -15.0)[1]
-    assert one(5.0, 0.24, -15.0)[1]
+    assert not one(5.0, 0.26, RIGHT)[1]
+    assert one(5.0, 0.24, RIGHT)[1]
 
 
 def test_the_simulated_ring_hears_the_same() -> None:
@@ -47,8 +47,13 @@ def test_the_simulated_ring_hears_the_same() -> None:
     for _ in range(200):
         ahead, left = float(rng.uniform(1.0, 9.0)), float(rng.uniform(-0.7, 0.7))
         true = true_ranges_m(ring, building, 13.2, 0.0, 0.0, [(13.2 + ahead, left, 0.25)])
-        for k, axis in ((0, 0.0), (1, 15.0), (-1, -15.0)):
-            range_m, heard = one(ahead, left, axis)
+        for k, cone in ((0, AHEAD), (1, LEFT), (-1, RIGHT)):
+            range_m, heard = one(ahead, left, cone)
             assert heard == bool(np.isfinite(true[k]) and true[k] < ahead + 0.3)
             if heard:
                 assert true[k] == pytest.approx(range_m, abs=1e-6)
+
+
+def test_what_the_robot_stands_in_is_heard_at_once() -> None:
+    assert one(0.1, 0.05, AHEAD) == (pytest.approx(0.0, abs=1e-4), True)
+    assert not one(-0.1, 0.05, AHEAD)[1]

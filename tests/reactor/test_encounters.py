@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from modules.reactor import Scan, Settings, Tracker, react, updated
+from modules.reactor import Scan, Settings, Tracker, compiled, react, updated
 from simworld.building import Building, build
 from simworld.people import (
     Act,
@@ -26,7 +26,7 @@ from simworld.sonar import SonarRing, echoes
 DT_S = 0.05
 ORDINARY_S, FAST_S = 2.0, 0.25
 RING = SonarRing()
-SETTINGS = Settings()
+DIAGRAM = compiled(Settings())
 START_M, LENGTH_M = 3.0, 26.4
 ENTERS_S = 3.0
 SEEDS = 200
@@ -56,7 +56,7 @@ def ping(
 class Mind:
     """The reactor at work: what it hears, and when what it decides is done.
 
-    Decisions are done ``delay_s`` after they are made; none before ``not_before_s``.
+    Decisions are done ``delay_s`` after they are made; none is made before ``not_before_s``.
     """
 
     delay_s: float = 0.0
@@ -67,10 +67,16 @@ class Mind:
         """Take in a ping; seconds until the next."""
         self.tracker = updated(self.tracker, scan)
         wait_s = FAST_S if self.tracker.wants_attention else ORDINARY_S
-        reaction = react(self.tracker, SETTINGS)
-        if reaction is not None and scan.time_s + FAST_S > not_before_s:
-            self.decided.append((scan.time_s + self.delay_s, cast(Act, reaction.act)))
+        reaction = react(self.tracker, self.last, DIAGRAM)
+        if reaction is not None and reaction.due and scan.time_s + FAST_S > not_before_s:
+            if reaction.act != self.last:
+                self.decided.append((scan.time_s + self.delay_s, cast(Act, reaction.act)))
         return wait_s
+
+    @property
+    def last(self) -> Act:
+        """What was decided last."""
+        return self.decided[-1][1] if self.decided else "continue"
 
     def act(self, time_s: float) -> Act:
         """What has been decided and heard by now."""
@@ -106,7 +112,7 @@ def meet(
     """
     rng = np.random.default_rng(seed)
     robot, walker, mind = RobotInCorridor(start_m), None, Mind(delay_s)
-    next_s, due_s, touched, met = float(rng.uniform(0.0, ORDINARY_S)), np.inf, False, False
+    next_s, due_s, touched, met = person.enters_s % ORDINARY_S, np.inf, False, False
     acts: list[tuple[float, Act]] = []
     for k in range(round((lasts_s or 60.0) / DT_S)):
         t = k * DT_S

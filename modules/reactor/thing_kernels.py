@@ -1,0 +1,180 @@
+"""What time and echoes do to the belief about one thing: numba kernels, in place.
+
+Every kernel takes the ``belief`` (3, speeds, lines) of :class:`modules.reactor.thing.Thing` and
+the probability of a false echo, and returns what that probability becomes. A *row* is one
+speed; a row that has no weight left is not touched any more.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from modules.reactor.cone import Floats, heard_in_cone
+from modules.reactor.thing import (
+    DISTANCE,
+    FARTHEST_M,
+    LINE_PRIOR,
+    LINES_M,
+    RADIUS_M,
+    SPEEDS_M_S,
+    VARIANCE,
+    WEIGHT,
+    EchoModel,
+)
+
+DEAD = 1e-9
+"""Weight of a row below which it is taken for impossible."""
+
+
+@njit(cache=True)
+def bear(
+    belief: Floats,
+    cone: int,
+    echo_m: float,
+    sigma_m: float,
+    lateral_m: float,
+    model: EchoModel,
+) -> float:
+    """Fill in a thing of which one forward cone heard one echo."""
+    walking = model.walks / (len(SPEEDS_M_S) - 1)
+    for row in range(len(SPEEDS_M_S)):
+        prior = model.stands if row == 0 else walking
+        for line in range(len(LINES_M)):
+            left = LINES_M[line] - lateral_m
+            ahead = math.sqrt(max((echo_m + RADIUS_M) ** 2 - left * left, 0.01))
+            _, heard, _ = expected(ahead, left, cone)
+            belief[WEIGHT, row, line] = prior * LINE_PRIOR[line] if heard else 0.0
+            belief[DISTANCE, row, line] = ahead
+            # Which part was heard is not known: up to a radius further off than the nearest.
+            belief[VARIANCE, row, line] = sigma_m**2 + (RADIUS_M / 4) ** 2
+    return weighed(belief, 1.0 - model.stands - model.walks)
+
+
+@njit(cache=True)
+def move(belief: Floats, driven_m: float, elapsed_s: float, model: EchoModel) -> float:
+    """The thing after ``elapsed_s`` in which the robot drove ``driven_m`` forward."""
+    changes = 1.0 - math.exp(-model.line_change_hz * elapsed_s)
+    stays = math.exp(-model.leaves_hz * elapsed_s)
+    real = 0.0
+    for row in range(len(SPEEDS_M_S)):
+        total = belief[WEIGHT, row].sum()
+        if total == 0.0:
+            continue
+        walks = row > 0
+        step = model.speed_step_m_s * elapsed_s if walks else 0.02 * min(elapsed_s, 1.0)
+        mixed = total * changes if walks else 0.0
+        kept = 1.0 - changes if walks else 1.0
+        for line in range(len(LINES_M)):
+            distance = belief[DISTANCE, row, line] - driven_m - SPEEDS_M_S[row] * elapsed_s
+            weight = kept * belief[WEIGHT, row, line] + mixed * LINE_PRIOR[line]
+            # Who has walked past is nowhere ahead any more.
+            weight = 0.0 if distance < -RADIUS_M else weight * stays
+            belief[WEIGHT, row, line] = weight
+            belief[DISTANCE, row, line] = distance
+            belief[VARIANCE, row, line] += step * step
+            real += weight
+    return 1.0 - real
+
+
+@njit(cache=True)
+def listen(
+    belief: Floats,
+    false: float,
+    cone: int,
+    echo_m: float,
+    sigma_m: float,
+    lateral_m: float,
+    model: EchoModel,
+) -> tuple[float, float]:
+    """One transducer's echo, NaN for none; also how likely it was the thing's own."""
+    if math.isnan(echo_m):
+        return _silence(belief, false, cone, lateral_m, model), 0.0
+    own_weight = all_weight = 0.0
+    other = model.stray / FARTHEST_M
+    for row in range(len(SPEEDS_M_S)):
+        if belief[WEIGHT, row].sum() == 0.0:
+            continue
+        for line in range(len(LINES_M)):
+            ahead, left = belief[DISTANCE, row, line], LINES_M[line] - lateral_m
+            range_m, heard, slope = expected(ahead, left, cone)
+            weight = belief[WEIGHT, row, line]
+            if not heard:
+                belief[WEIGHT, row, line] = weight * other
+                all_weight += weight * other
+                continue
+            spread = belief[VARIANCE, row, line]
+            variance = slope * slope * spread + sigma_m * sigma_m
+            off = echo_m - range_m
+            density = math.exp(-0.5 * off * off / variance) / math.sqrt(2.0 * math.pi * variance)
+            own = model.heard * density
+            likelihood = own + model.masked / FARTHEST_M
+            gain = own / likelihood * slope * spread / variance
+            belief[WEIGHT, row, line] = weight * likelihood
+            belief[DISTANCE, row, line] = ahead + gain * off
+            belief[VARIANCE, row, line] = spread * (1.0 - gain * slope)
+            own_weight += weight * own
+            all_weight += weight * likelihood
+    total = all_weight + false * other
+    return weighed(belief, false * other), own_weight / total
+
+
+@njit(cache=True)
+def hide(
+    belief: Floats, false: float, cone: int, echo_m: float, sigma_m: float, lateral_m: float,
+    model: EchoModel,
+) -> float:
+    """A transducer heard something else that is known to stand at ``echo_m``.
+
+    What is behind it cannot be heard; what is before it should have been: the likelihood ratio
+    is that of a missing echo, with a thing in the cone against none.
+    """
+    unexplained = (1.0 - model.heard - model.masked) / (1.0 - model.stray)
+    for row in range(len(SPEEDS_M_S)):
+        if belief[WEIGHT, row].sum() == 0.0:
+            continue
+        for line in range(len(LINES_M)):
+            left = LINES_M[line] - lateral_m
+            range_m, heard, _ = expected(belief[DISTANCE, row, line], left, cone)
+            spread = math.sqrt(sigma_m * sigma_m + belief[VARIANCE, row, line])
+            if heard and range_m < echo_m - 3.0 * spread:
+                belief[WEIGHT, row, line] *= unexplained
+    return weighed(belief, false)
+
+
+@njit(cache=True)
+def _silence(
+    belief: Floats, false: float, cone: int, lateral_m: float, model: EchoModel
+) -> float:
+    """A transducer heard nothing."""
+    missed, nothing = 1.0 - model.heard - model.masked, 1.0 - model.stray
+    for row in range(len(SPEEDS_M_S)):
+        if belief[WEIGHT, row].sum() == 0.0:
+            continue
+        for line in range(len(LINES_M)):
+            left = LINES_M[line] - lateral_m
+            _, heard, _ = expected(belief[DISTANCE, row, line], left, cone)
+            belief[WEIGHT, row, line] *= missed if heard else nothing
+    return weighed(belief, false * nothing)
+
+
+@njit(cache=True)
+def expected(ahead_m: float, left_m: float, cone: int) -> tuple[float, bool, float]:
+    """Range at which a cone hears a thing, whether it does, and change of range with distance."""
+    range_m, heard = heard_in_cone(ahead_m, left_m, RADIUS_M, cone)
+    away = max(math.sqrt(ahead_m * ahead_m + left_m * left_m), 1e-6)
+    slope = min(max(ahead_m / away, 0.0), 1.0)
+    return range_m, heard and range_m < FARTHEST_M and ahead_m > 0.0, slope
+
+
+@njit(cache=True)
+def weighed(belief: Floats, false: float) -> float:
+    """Make weights and the probability of a false echo sum to 1."""
+    total = belief[WEIGHT].sum() + false
+    for row in range(len(SPEEDS_M_S)):
+        if belief[WEIGHT, row].sum() <= DEAD * total:
+            belief[WEIGHT, row] = 0.0
+        else:
+            belief[WEIGHT, row] /= total
+    return false / total

@@ -1,0 +1,125 @@
+"""The data of a page: the right numbers, and never too many of them."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bus import messages as m
+from bus.wire import Sent
+from logs.page.data import MOST_IN_TIME, MOST_LATE, MOST_PINGS, as_script, notes, page_data
+from logs.page.plots import belief_figures, slack_bins, slack_figure
+from logs.page.record import Record
+from logs.page.spans import MOST, Spans
+from logs.page.thin import evenly
+from tests.logs.browser import Document
+from tests.logs.conftest import S, Speaker, entry
+
+TOO_LARGE = 8_000_000
+
+
+def _recorded(said: list[Sent]) -> tuple[Record, list[m.LedgerEntry]]:
+    record = Record()
+    for sent in said:
+        record.hear(sent)
+    return record, [s.message for s in said if isinstance(s.message, m.LedgerEntry)]
+
+
+def test_the_data_of_a_run(run: list[Sent]) -> None:
+    record, ledger = _recorded(run)
+    data = json.loads(as_script(page_data(record, ledger, 600.0)))
+    assert data["building"]["ends"] == [[0, 1], [2, 3], [0, 2], [1, 3]]
+    assert data["beliefs"] == [[1, 0.9, 0.5, 0.6, 0.5], [598, 0.999, 0.002, 0.995, 0.4]]
+    assert data["goals"] == [[0, 3]]
+    by_id = {decision["id"]: decision for decision in data["decisions"]}
+    assert [by_id[n]["late"] for n in (1, 2, 3, 4, 6)] == [False, False, False, True, True]
+    assert (by_id[6]["decided"], by_id[6]["slack"], by_id[6]["idle"]) == (None, None, 10)
+    assert data["spans"]["decider"] == [[0, 50, 1, 4000, 50], [500, 510, 1, 6000, 10]]
+    assert [meeting["collided"] for meeting in data["meetings"]] == [False, True]
+    assert data["errands"][0] == [1, 0, 500, 400]
+    assert data["notes"] == []
+
+
+def test_data_cannot_end_its_element_and_is_strict_json() -> None:
+    text = as_script({"words": "</script><!--", "far": float("inf"), "none": float("nan")})
+    assert "<" not in text
+    assert json.loads(text) == {"words": "</script><!--", "far": None, "none": None}
+
+
+def test_a_long_run_is_thinned_and_the_page_says_so(run: list[Sent]) -> None:
+    speaker = Speaker()
+    for n in range(3 * MOST_PINGS):
+        speaker.say(n, m.Sonar(n, 0, n * S, np.full(24, 10.7)))
+        speaker.say(n, m.Span("sensor", "percept/sonar", "world", n, n * S + n, n * S + S // 3, 1))
+    for n in range(4 * MOST_LATE):
+        late = n % 2 == 1
+        speaker.say(n, entry(n, "path", n, n + 9, n + 9 + n if late else n, cause="overrun" * late))
+    record, ledger = _recorded(run[:1] + speaker.said)
+    data = page_data(record, ledger, 3.0 * MOST_PINGS)
+    assert len(data["pings"]) == MOST_PINGS
+    assert (data["pings"][0][0], data["pings"][-1][0]) == (0, 3 * MOST_PINGS - 1)
+    assert len(data["spans"]["sensor"]) <= 2 * MOST
+    assert len(data["decisions"]) == MOST_LATE + MOST_IN_TIME
+    lateness = [d["slack"] for d in data["decisions"] if d["late"]]
+    assert max(lateness) < -2 * MOST_LATE + 2  # the milder half is what is left out
+    assert len(as_script(data)) < TOO_LARGE / 2
+    said = " ".join(notes(record, ledger))
+    assert f"{MOST_PINGS:,} of {3 * MOST_PINGS:,} pings" in said
+    assert "3,000 of 6,000 decisions" in said
+    assert "is drawn as one bar" in said
+
+
+@given(st.lists(st.integers(), max_size=50), st.integers(2, 20))
+def test_thinning_keeps_order_and_ends(items: list[int], most: int) -> None:
+    kept = evenly(list(enumerate(items)), most)
+    assert len(kept) == min(len(items), most)
+    assert kept == sorted(set(kept), key=lambda pair: pair[0])
+    if items:
+        assert (kept[0], kept[-1]) == ((0, items[0]), (len(items) - 1, items[-1]))
+
+
+@given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 3)), min_size=1, max_size=9000))
+def test_merged_spans_lose_no_work(pairs: list[tuple[int, int]]) -> None:
+    spans, at = Spans(), 0
+    for wait, work in pairs:
+        spans.hear(m.Span("x", "t", "s", 0, at + wait, at + wait + work, 2))
+        at += wait + work
+    row = spans.rows()["x"]
+    assert len(row) <= 2 * MOST
+    assert sum(of.handlers for of in row) == len(pairs)
+    assert sum(of.busy_ns for of in row) == sum(work for _, work in pairs)
+    assert (row[0].start_ns, row[-1].end_ns) == (pairs[0][0], at)
+    assert all(a.end_ns < b.start_ns for a, b in pairwise(row))
+
+
+@given(st.lists(st.integers(-(10**15), 10**15), min_size=1, max_size=60))
+def test_no_bar_of_a_histogram_is_both_late_and_in_time(slack_ns: list[int]) -> None:
+    slack_s = [ns / S for ns in slack_ns]
+    counts, edges = slack_bins(slack_s)
+    assert counts.sum() == len(slack_s)
+    assert 0.0 in edges
+    assert counts[edges[:-1] < 0].sum() == sum(slack < 0 for slack in slack_s)
+
+
+def test_slack_is_drawn_by_kind_and_told_as_a_table(run: list[Sent]) -> None:
+    _, ledger = _recorded(run)
+    drawn = Document(slack_figure("path", [e for e in ledger if e.kind == "path"]))
+    (figure,) = drawn.all("figure")
+    assert "2 path decisions came, 1 of them late" in figure.words  # the third never came
+    assert [e.attributes["class"] for e in drawn.all("rect")] == ["late", "good"]
+    assert [row.words.split()[-1] for row in drawn.all("tr")[1:]] == ["1", "1"]
+    assert slack_figure("path", []) == ""
+
+
+def test_the_belief_is_drawn_over_time(run: list[Sent]) -> None:
+    record, _ = _recorded(run)
+    drawn = Document(belief_figures(record.beliefs, 600.0))
+    entropy, true_map, corridors = drawn.all("figure")
+    assert "from 0.75 at 1 s to 0.25 at the end" in entropy.words
+    assert "from 0.135 at 1 s to 0.607 at the end" in true_map.words
+    assert "Corridors known rightly (solid)" in corridors.words
+    assert drawn.all("tr")[-1].words == "598.0 0.250 0.606531 3 0 1"
