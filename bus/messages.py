@@ -223,11 +223,15 @@ class PathDecision(Message, frozen=True):
 
 
 class ReactionDecision(Message, frozen=True):
-    """What to do about an approaching object, with the expected utility of every act."""
+    """What to do about an approaching object, with the expected utility of every act.
+
+    ``fired_ns`` is when the ring was fired of whose echoes this is the consequence.
+    """
 
     act: str
     expected_utility: FiniteFloats
     approaching: float
+    fired_ns: int
 
 
 class Motion(Message, frozen=True):

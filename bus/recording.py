@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import TypeAlias
@@ -23,14 +24,20 @@ PAYLOAD_PATIENCE_S = 20.0
 class Recording:
     """Holds payloads until a commit names them, then hands them to ``write``.
 
-    The queue has no bound: a recorder that stalls must not slow the bus.
+    The queue has no bound: a recorder that stalls must not slow the bus. ``patience_s``: how
+    long, by the wall clock, it waits for a payload before it counts it as ``lost``.
     """
 
     def __init__(
-        self, session: zenoh.Session, keys: link.Keys, write: Callable[[Sent], None]
+        self,
+        session: zenoh.Session,
+        keys: link.Keys,
+        write: Callable[[Sent], None],
+        patience_s: float = PAYLOAD_PATIENCE_S,
     ) -> None:
         self._keys = keys
         self._write = write
+        self._patience_s = patience_s
         self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
         self._held: dict[MessageId, Sent] = {}
         self._reporter = Reporter(session, keys)
@@ -45,12 +52,17 @@ class Recording:
 
     def run(self) -> None:
         """Write until the last commit is carried out."""
+        first: CommitEntry | None = None
+        until_s = 0.0
         while not self._last or self._due:
             try:
-                self._take(*self._queue.get(timeout=PAYLOAD_PATIENCE_S if self._due else None))
+                left_s = max(0.0, until_s - time.monotonic()) if self._due else None
+                self._take(*self._queue.get(timeout=left_s))
             except queue.Empty:
                 self._give_up_first()
             self._write_due()
+            if self._due and self._due[0] is not first:
+                first, until_s = self._due[0], time.monotonic() + self._patience_s
 
     def _take(self, key: str, data: bytes) -> None:
         try:

@@ -1,42 +1,38 @@
-"""Which messages a message was made from, as far as the parents that each one carries tell.
-
-Only recent messages can be looked up, so that memory does not grow with the log; a parent that
-was said too long ago to be found, or is not in the log, is counted as unknown, never guessed.
-"""
+"""Which messages a message was made from, as far as the parents that each one carries tell."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
 
 from bus.wire import MessageId
 
-WINDOW = 100_000
-"""At least so many messages back a parent is found: hours of a run, where minutes are needed."""
 
-
-@dataclass(slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Node:
-    """One message: what it was made from, the first of it having triggered its maker.
-
-    ``spans`` has (process, start, end in ns) of each handler that took it in so far; ``unknown``
-    is how many of its parents could not be found.
-    """
+    """One message; the first of its parents triggered its maker."""
 
     topic: str
     source: str
     sequence: int
     said_ns: int
-    parents: tuple[Node, ...] = ()
-    unknown: int = 0
-    spans: list[tuple[str, int, int]] = field(default_factory=list)
+    parents: tuple[MessageId, ...] = ()
 
-    def span_in(self, process: str) -> tuple[int, int] | None:
-        """When a process handled it: (start, end) in ns."""
-        for name, start_ns, end_ns in self.spans:
-            if name == process:
-                return start_ns, end_ns
-        return None
+    @property
+    def id(self) -> MessageId:
+        """The message's name."""
+        return self.source, self.sequence
+
+
+class Index(Protocol):
+    """Where messages and their handlers are looked up."""
+
+    def find(self, name: MessageId) -> Node | None:
+        """A message, or None if it is not in the log or is too long ago."""
+
+    def span(self, process: str, name: MessageId) -> tuple[int, int] | None:
+        """When a process handled a message: (start, end) in ns; None if it did not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,52 +43,41 @@ class Ancestor:
     route: tuple[str, ...]
 
 
-def ancestors(node: Node) -> Iterator[Ancestor]:
-    """All messages that one was made from, nearest first, each once, by a shortest route."""
-    seen = {id(node)}
+@dataclass(frozen=True)
+class Ancestors:
+    """All messages that ``of`` was made from, nearest first, each once, by a shortest route.
+
+    ``unknown`` is how many parents could not be found: they are never guessed.
+    """
+
+    of: Node
+    each: tuple[Ancestor, ...]
+    unknown: int
+
+
+def ancestors(index: Index, node: Node) -> Ancestors:
+    """Look up all ancestors of a message."""
+    seen = {node.id}
+    found: list[Ancestor] = []
     front = [Ancestor(node, (node.topic,))]
+    unknown = 0
     while front:
         behind: list[Ancestor] = []
-        for ancestor in front:
-            for parent in ancestor.node.parents:
-                if id(parent) not in seen:
-                    seen.add(id(parent))
-                    behind.append(Ancestor(parent, (parent.topic, *ancestor.route)))
-        yield from behind
+        for child, name in _parents(front):
+            if name in seen:
+                continue
+            seen.add(name)
+            parent = index.find(name)
+            if parent is None:
+                unknown += 1
+            else:
+                behind.append(Ancestor(parent, (parent.topic, *child.route)))
+        found += behind
         front = behind
+    return Ancestors(node, tuple(found), unknown)
 
 
-class Ancestry:
-    """The messages heard so far, by name."""
-
-    def __init__(self, window: int = WINDOW) -> None:
-        self._window = window
-        self._young: dict[MessageId, Node] = {}
-        self._old: dict[MessageId, Node] = {}
-        self.unknown = 0
-
-    def hear(
-        self,
-        topic: str,
-        source: str,
-        sequence: int,
-        said_ns: int,
-        parents: Iterable[MessageId] = (),
-    ) -> Node:
-        """Take in a message; its parents must have been heard before it."""
-        node = Node(topic, source, sequence, said_ns)
-        found = tuple([self.find(name) for name in parents])
-        if None in found:
-            node.parents = tuple(parent for parent in found if parent is not None)
-            node.unknown = len(found) - len(node.parents)
-            self.unknown += node.unknown
-        else:
-            node.parents = found  # type: ignore[assignment]
-        if len(self._young) >= self._window:
-            self._old, self._young = self._young, {}
-        self._young[source, sequence] = node
-        return node
-
-    def find(self, name: MessageId) -> Node | None:
-        """The message of this name, or None where it was not heard or is too long ago."""
-        return self._young.get(name) or self._old.get(name)
+def _parents(front: list[Ancestor]) -> Iterator[tuple[Ancestor, MessageId]]:
+    for child in front:
+        for name in child.node.parents:
+            yield child, name

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from bus.messages import LedgerEntry
 from bus.topics import WORLD
-from logs.ancestry import Node, ancestors
+from logs.ancestry import Ancestors, Index, Node
 from logs.decisions import NEVER
 
 PERCEPT = "percept/"
@@ -117,21 +117,22 @@ def transport_ns(said_ns: int, start_ns: int, hop_ns: int) -> int:
     return min(hop_ns, start_ns - said_ns)
 
 
-def chain_of(decision: Node, hop_ns: int) -> Chain:
+def chain_of(index: Index, made: Ancestors, hop_ns: int) -> Chain:
     """The chain of a decision. ``hop_ns`` is how long a message takes on the bus."""
+    decision = made.of
     hops: list[Hop] = []
-    whole = True
-    last = _hop(decision, WORLD, hop_ns)
+    last = _hop(index, decision, WORLD, hop_ns)
     if last is not None:
         hops.append(last)
-    node = decision
-    while node.parents or node.unknown:
-        hop = _hop(node.parents[0], node.source, hop_ns) if not node.unknown else None
-        if hop is None:
+    node, whole = decision, True
+    while node.parents:
+        trigger = index.find(node.parents[0])
+        hop = _hop(index, trigger, node.source, hop_ns) if trigger is not None else None
+        if trigger is None or hop is None:
             whole = False
             break
         hops.append(hop)
-        node = node.parents[0]
+        node = trigger
     heard_ns = last.said_ns + last.transport_ns + last.queueing_ns if last else None
     return Chain(
         decision.topic,
@@ -141,12 +142,12 @@ def chain_of(decision: Node, hop_ns: int) -> Chain:
         heard_ns,
         tuple(reversed(hops)),
         whole,
-        data_age(decision),
+        data_age(made),
     )
 
 
-def _hop(node: Node, process: str, hop_ns: int) -> Hop | None:
-    span = node.span_in(process)
+def _hop(index: Index, node: Node, process: str, hop_ns: int) -> Hop | None:
+    span = index.span(process, node.id)
     if span is None:
         return None
     start_ns, end_ns = span
@@ -163,46 +164,44 @@ def _hop(node: Node, process: str, hop_ns: int) -> Hop | None:
     )
 
 
-def data_age(decision: Node) -> DataAge | None:
+def data_age(made: Ancestors) -> DataAge | None:
     """The age of the percepts among a decision's ancestors at the moment it was said."""
-    said_ns = [a.node.said_ns for a in ancestors(decision) if a.node.topic.startswith(PERCEPT)]
+    said_ns = [a.node.said_ns for a in made.each if a.node.topic.startswith(PERCEPT)]
     if not said_ns:
         return None
-    return DataAge(len(said_ns), decision.said_ns - min(said_ns), decision.said_ns - max(said_ns))
+    at_ns = made.of.said_ns
+    return DataAge(len(said_ns), at_ns - min(said_ns), at_ns - max(said_ns))
 
 
 class Chains:
     """Gathers the chains of one log.
 
-    A chain is made when the world takes the decision up, so that nothing else of it is kept.
+    A chain is made when the world has taken the decision up, so that nothing else of it is kept.
     """
 
-    def __init__(self, hop_ns: int) -> None:
+    def __init__(self, index: Index, hop_ns: int) -> None:
+        self._index = index
         self._hop_ns = hop_ns
-        self._open: dict[tuple[str, int], tuple[Node, int | None]] = {}
+        self._open: list[tuple[Ancestors, int | None]] = []
         self._by_number: dict[int, Chain] = {}
         self._by_time: dict[tuple[str, int], Chain] = {}
-        self.each: list[Chain] = []
 
-    def decided(self, node: Node, number: int | None) -> None:
+    def decided(self, made: Ancestors, number: int | None) -> None:
         """A decision was said; ``number`` is the question it answers, None if it does not say."""
-        self._open[node.source, node.sequence] = node, number
+        self._open.append((made, number))
 
-    def heard(self, source: str, sequence: int) -> None:
-        """The world has taken a decision up, and its span is with its node."""
-        opened = self._open.pop((source, sequence), None)
-        if opened is not None:
-            self._make(*opened)
+    def catch_up(self, *, last: bool = False) -> None:
+        """Make the chains of decisions that were heard meanwhile; at last, of all the others."""
+        still_open: list[tuple[Ancestors, int | None]] = []
+        for made, number in self._open:
+            if last or self._index.span(WORLD, made.of.id) is not None:
+                self._make(made, number)
+            else:
+                still_open.append((made, number))
+        self._open = still_open
 
-    def finish(self) -> None:
-        """The log is over: decisions that nobody heard have their chains too."""
-        for node, number in self._open.values():
-            self._make(node, number)
-        self._open.clear()
-
-    def _make(self, node: Node, number: int | None) -> None:
-        chain = chain_of(node, self._hop_ns)
-        self.each.append(chain)
+    def _make(self, made: Ancestors, number: int | None) -> None:
+        chain = chain_of(self._index, made, self._hop_ns)
         if number is not None:
             self._by_number.setdefault(number, chain)  # the first answer is the one that counts
         elif chain.heard_ns is not None:

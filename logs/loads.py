@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bus.topics import PRIORITY
 from logs.spread import NS_PER_S, Spread, spread
@@ -18,6 +22,19 @@ class Load:
     cells: int
     busy_s: float
     share: float | None
+
+
+class SpanRow(NamedTuple):
+    """One handler, as the tables have it; ``said_ns`` of its message is None if not known."""
+
+    process: str
+    topic: str
+    source: str
+    sequence: int
+    said_ns: int | None
+    start_ns: int
+    end_ns: int
+    cells: int
 
 
 @dataclass(frozen=True)
@@ -64,17 +81,30 @@ class Loads:
         self, process: str, topic: str, took_ns: int, cells: int, waited_ns: int | None
     ) -> None:
         """A handler ran; ``waited_ns`` is None where it is not known when its message was said."""
-        topics = self._handlers.get(process)
-        if topics is None:
-            topics = self._handlers[process] = {}
-            self._waited_ns[process] = _times()
-        handler = topics.get(topic)
-        if handler is None:
-            handler = topics[topic] = _Handler()
+        handler = self._handler(process, topic)
         handler.took_ns.append(took_ns)
         handler.cells += cells
         if waited_ns is not None:
             self._waited_ns[process].append(waited_ns)
+
+    def add_block(
+        self,
+        process: str,
+        topic: str,
+        took_ns: NDArray[np.int64],
+        cells: int,
+        waited_ns: NDArray[np.int64],
+    ) -> None:
+        """Handlers of one topic ran; ``waited_ns`` of those whose messages are known."""
+        handler = self._handler(process, topic)
+        handler.took_ns.frombytes(took_ns.tobytes())
+        handler.cells += cells
+        self._waited_ns[process].frombytes(waited_ns.tobytes())
+
+    def _handler(self, process: str, topic: str) -> _Handler:
+        topics = self._handlers.setdefault(process, {})
+        self._waited_ns.setdefault(process, _times())
+        return topics.setdefault(topic, _Handler())
 
     def loads(self, duration_ns: int) -> tuple[Load, ...]:
         """The work of each process, in the order of their priority."""

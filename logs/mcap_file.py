@@ -1,8 +1,8 @@
 """An MCAP file in chunks whose bytes depend on nothing but what was put into it.
 
-The format is that of https://mcap.dev/spec; the records but for messages are packed by the mcap
-package, whose own writer takes three times as long for a message and keeps its unfinished chunk
-to itself. A chunk ends by size or by the times of its messages, never by the wall clock.
+The format is that of https://mcap.dev/spec; all records but messages are packed by the mcap
+package, whose own writer takes twice as long for a message and keeps its unfinished chunk to
+itself. A chunk ends by size or by the times of its messages, never by the wall clock.
 """
 
 from __future__ import annotations

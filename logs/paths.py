@@ -21,7 +21,7 @@ from __future__ import annotations
 from array import array
 from dataclasses import dataclass, field
 
-from logs.ancestry import Node, ancestors
+from logs.ancestry import Ancestors
 from logs.spread import Spread, spread
 
 INPUTS = ("percept/", "asked/")
@@ -67,14 +67,14 @@ class Paths:
     def __init__(self) -> None:
         self._paths: dict[tuple[str, ...], _Path] = {}
 
-    def decided(self, decision: Node) -> None:
+    def decided(self, made: Ancestors) -> None:
         """A decision was said."""
         inputs: dict[tuple[str, ...], list[int]] = {}
-        for ancestor in ancestors(decision):
+        for ancestor in made.each:
             if ancestor.node.topic.startswith(INPUTS):
                 inputs.setdefault(ancestor.route, []).append(ancestor.node.said_ns)
         for route, said_ns in inputs.items():
-            self._paths.setdefault(route, _Path()).cycle(decision.said_ns, said_ns)
+            self._paths.setdefault(route, _Path()).cycle(made.of.said_ns, said_ns)
 
     def times(self) -> tuple[PathTimes, ...]:
         """The response times of all paths, by decision, then by path."""

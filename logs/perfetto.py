@@ -15,11 +15,10 @@ from typing import IO, Any, TypeAlias
 
 from bus.messages import LedgerEntry
 from bus.topics import PRIORITY, TOPICS
-from logs.ancestry import Node
 from logs.chains import DecisionChain
 from logs.decisions import NEVER, on_time
+from logs.loads import SpanRow
 from logs.run_log import LogWriteError
-from logs.schema import Record
 
 Event: TypeAlias = dict[str, Any]
 
@@ -44,8 +43,8 @@ class PerfettoFile:
             raise self._cannot(error) from error
         self._put('{"displayTimeUnit": "ms", "traceEvents": [\n')
 
-    def span(self, span: Record, _about: Node | None) -> None:
-        """A handler ran: its span's record."""
+    def span(self, span: SpanRow) -> None:
+        """A handler ran."""
         begins = microseconds(span.start_ns)
         self._event(
             {
@@ -58,7 +57,7 @@ class PerfettoFile:
                 "tid": THREAD,
                 "args": {
                     "topic": span.topic,
-                    "message": f"{span.about_source} {span.about_sequence}",
+                    "message": f"{span.source} {span.sequence}",
                     "cells": span.cells,
                 },
             }

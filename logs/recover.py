@@ -7,26 +7,21 @@ left out and what comes after it is kept.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-import zstandard
-from mcap.exceptions import EndOfFile, McapError
+from mcap.exceptions import EndOfFile
 from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
 
 from bus.topics import TOPICS
 from logs.mcap_file import McapFile
-from logs.reader import LogReadError, read_run
+from logs.reader import DAMAGE, LogReadError, read_run
 from logs.records import RawMessage, chunk_records
 from logs.run_log import LogWriteError
 from logs.tail import FoundTail, read_tail
-
-DAMAGE = (McapError, ValueError, struct.error, zstandard.ZstdError, MemoryError, OverflowError)
-"""What reading raises where the file is cut or its bytes are not what was written."""
 
 
 @dataclass(frozen=True)

@@ -35,29 +35,29 @@ _MESSAGE = 5
 _FIELDS = 32
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True)
 def _little(data: Bytes, at: int, length: int) -> int:
-    value = np.uint64(0)
+    value = 0
     for k in range(length):
-        value |= np.uint64(data[at + k]) << np.uint64(8 * k)
-    return np.int64(value)
+        value |= int(data[at + k]) << (8 * k)
+    return value
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True)
 def _varint(data: Bytes, at: int, end: int) -> tuple[int, int]:
     """A number and where it ends, or -1 there if it does not."""
-    value, shift = np.uint64(0), np.uint64(0)
+    value, shift = 0, 0
     while at < end and shift < 70:
-        byte = data[at]
+        byte = int(data[at])
         at += 1
-        value |= np.uint64(byte & 0x7F) << shift
+        value |= (byte & 0x7F) << shift
         if byte < 0x80:
-            return np.int64(value), at
-        shift += np.uint64(7)
-    return np.int64(0), -1
+            return value, at
+        shift += 7
+    return 0, -1
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True)
 def _read_fields(data: Bytes, at: int, end: int, values: Ints, lengths: Ints) -> bool:
     """Note the value of each field that is a number, begin and length of each that is bytes."""
     values[:] = 0
@@ -67,7 +67,7 @@ def _read_fields(data: Bytes, at: int, end: int, values: Ints, lengths: Ints) ->
         if at < 0:
             return False
         number, wire = tag >> 3, tag & 7
-        value, length = np.int64(0), np.int64(0)
+        value, length = 0, 0
         if wire == 0:
             value, at = _varint(data, at, end)
         elif wire == 1:
@@ -88,7 +88,7 @@ def _read_fields(data: Bytes, at: int, end: int, values: Ints, lengths: Ints) ->
     return True
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True)
 def _name(data: Bytes, begin: int, length: int, names: Bytes, sizes: Ints) -> int:
     """The number of a name in the table, or -1."""
     for k in range(len(sizes)):
@@ -103,7 +103,33 @@ def _name(data: Bytes, begin: int, length: int, names: Bytes, sizes: Ints) -> in
     return -1
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True)
+def _take_span(
+    data: Bytes, span: Ints, fields: Ints, values: Ints, lengths: Ints, names: Bytes, sizes: Ints
+) -> bool:
+    """Note what a span says; False if it names something that is not in the table."""
+    known = True
+    for k in range(3):
+        field = fields[k]
+        span[PROCESS + k] = _name(data, values[field], lengths[field], names, sizes)
+        known &= span[PROCESS + k] >= 0
+    for k in range(3, 7):
+        span[PROCESS + k] = values[fields[k]]
+    return known
+
+
+@njit(cache=True)
+def _record_end(data: Bytes, at: int) -> int:
+    """Where the record at a byte ends, or -1 if that is beyond the chunk."""
+    left = len(data) - at - _HEAD
+    if left < 0:
+        return -1
+    length = _little(data, at + 1, 8)
+    least = _MESSAGE_HEAD if data[at] == _MESSAGE else 0
+    return at + _HEAD + length if least <= length <= left else -1
+
+
+@njit(cache=True)
 def scan(
     data: Bytes, span_channel: int, span_fields: Ints, names: Bytes, sizes: Ints
 ) -> tuple[int, int, Ints, Ints, Ints]:
@@ -120,45 +146,31 @@ def scan(
     values, lengths = np.zeros(_FIELDS, np.int64), np.zeros(_FIELDS, np.int64)
     n_messages, n_spans, n_others = 0, 0, 0
     state, at = WHOLE, 0
-    while at < len(data):
-        if len(data) - at < _HEAD:
+    while at < len(data) and state == WHOLE:
+        end = _record_end(data, at)
+        if end < 0:
             state = CUT_RECORD
             break
-        opcode, length = data[at], _little(data, at + 1, 8)
         begin = at + _HEAD
-        if length < 0 or length > len(data) - begin:
-            state = CUT_RECORD
-            break
-        end = begin + length
-        if opcode != _MESSAGE:
-            others[n_others, 0], others[n_others, 1], others[n_others, 2] = opcode, begin, end
+        if data[at] != _MESSAGE:
+            other = others[n_others]
+            other[OPCODE], other[OTHER_BEGIN], other[OTHER_END] = data[at], begin, end
             n_others += 1
-            at = end
-            continue
-        if length < _MESSAGE_HEAD:
-            state = CUT_RECORD
-            break
-        channel = _little(data, begin, 2)
-        if not _read_fields(data, begin + _MESSAGE_HEAD, end, values, lengths):
+        elif not _read_fields(data, begin + _MESSAGE_HEAD, end, values, lengths):
             state = NO_MESSAGE
             break
-        message = messages[n_messages]
-        message[CHANNEL], message[LOG_NS] = channel, _little(data, begin + 6, 8)
-        message[BEGIN], message[END] = begin + _MESSAGE_HEAD, end
-        message[SEQUENCE], message[PREVIOUS] = values[2], values[3]
-        if channel == span_channel:
-            span = spans[n_spans]
-            span[ROW] = n_messages
-            for k in range(3):
-                field = span_fields[k]
-                span[1 + k] = _name(data, values[field], lengths[field], names, sizes)
-                if span[1 + k] < 0:
+        else:
+            message, channel = messages[n_messages], _little(data, begin, 2)
+            message[CHANNEL], message[LOG_NS] = channel, _little(data, begin + 6, 8)
+            message[BEGIN], message[END] = begin + _MESSAGE_HEAD, end
+            message[SEQUENCE], message[PREVIOUS] = values[2], values[3]
+            if channel == span_channel:
+                span = spans[n_spans]
+                span[ROW] = n_messages
+                n_spans += 1
+                if not _take_span(data, span, span_fields, values, lengths, names, sizes):
                     state = UNKNOWN_NAME
-            for k in range(3, 7):
-                span[1 + k] = values[span_fields[k]]
-            n_spans += 1
-        if state != WHOLE:
-            break
-        n_messages += 1
+                    break
+            n_messages += 1
         at = end
     return state, at, messages[:n_messages], spans[:n_spans], others[:n_others]

@@ -142,6 +142,12 @@ def _plan(topic: str) -> _Plan:
     return _Plan(message_type, record, record.FromString, fields, recorded, arrays)
 
 
+def field_numbers(topic: str) -> dict[str, int]:
+    """The protobuf number of every field of a topic's record, by the name it is recorded by."""
+    (declared,) = schema(topic).file[0].message_type
+    return {field.name: field.number for field in declared.field}
+
+
 def encode(sent: Sent) -> bytes:
     """The protobuf bytes of a message. Raises SchemaError if a field holds the wrong thing."""
     plan = _plan(sent.topic)

@@ -8,42 +8,53 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bus import messages as m
-from bus.topics import WORLD
+from bus.topics import TOPICS
 from bus.wire import Sent
+from logs import scan_kernels as k
 from logs.analysis import HEARD, Analysis, Tally, finite
-from logs.ancestry import Ancestry, Node
+from logs.ancestry import Node, ancestors
 from logs.calibration import Calibration, Calibrations
-from logs.chains import Chains, DecisionChain, transport_ns
+from logs.chains import Chains, DecisionChain
 from logs.knowledge import Knowledge, Known, Registration, registration
-from logs.loads import ProcessTimes
+from logs.loads import ProcessTimes, SpanRow
+from logs.log_index import LogIndex
 from logs.paths import Paths, PathTimes
 from logs.reader import LogReadError, RunReader, read_run
-from logs.schema import Record, SchemaError, parse, sent_of
+from logs.scan import NAMES, SPAN, TOPIC_NAMES, Block
+from logs.schema import SchemaError, decode
 from logs.slack import Slack, slack_of
 from logs.spread import NS_PER_S
 from logs.traffic import Traffic, all_traffic, new_counts
 from logs.truth import Truth
 
-SPAN = "clock/span"
 HOP = "hop_ns"
 """Metadata of a log: how long a message takes on the bus."""
 
 _ABOUT_TRUTH = ("percept/arrival", "percept/blocked", "truth/building", "truth/pose")
 _BELIEFS = ("reading/feature", "prior/junction", "belief/map")
-_DECODED = frozenset((*HEARD, *_ABOUT_TRUTH, *_BELIEFS)) - {SPAN}
-_NUMBERED = ("decision/sensing", "decision/path")
 _DECISION = "decision/"
+_DECODED = np.array(
+    [
+        topic in {*HEARD, *_ABOUT_TRUTH, *_BELIEFS} - {SPAN} or topic.startswith(_DECISION)
+        for topic in TOPICS
+    ]
+)
+"""Which topics are decoded, by their place in the table; the others are only counted."""
 
-OnSpan: TypeAlias = Callable[[Record, Node | None], None]
+
+OnSpan: TypeAlias = Callable[[SpanRow], None]
 
 
 @dataclass(frozen=True)
 class Study:
     """All that one log says.
 
-    ``unknown_parents`` is how many parents of messages were not found; chains that go through
-    one are cut short there.
+    ``unknown_parents`` is how many of the messages that decisions were made from, at any remove,
+    were not found; a chain that goes through one is cut short there.
     """
 
     analysis: Analysis
@@ -61,51 +72,77 @@ class Study:
 
 
 class _Listener:
-    """Takes a log in, message by message."""
+    """Takes a log in, block by block."""
 
-    def __init__(self, hop_ns: int, on_span: OnSpan | None) -> None:
+    def __init__(self, epoch_ns: int, hop_ns: int, on_span: OnSpan | None) -> None:
         self.hop_ns = hop_ns
+        self.epoch_ns = epoch_ns
         self.tally = Tally()
         self.counts = new_counts()
-        self.ancestry = Ancestry()
-        self.chains = Chains(hop_ns)
+        self.index = LogIndex(epoch_ns)
+        self.chains = Chains(self.index, hop_ns)
         self.paths = Paths()
+        self.unknown = 0
         self.truth = Truth()
         self.calibrations = Calibrations(self.truth)
         self.known = Known(self.truth)
         self._on_span = on_span
 
-    def hear(self, topic: str, said_ns: int, data: bytes) -> None:
-        """Take one message into account."""
-        record = parse(topic, data)
-        sequence = record.sequence
-        self.counts[topic].add(said_ns, len(data), sequence, record.previous)
-        if topic == SPAN:
-            self._span(record)
-            return
-        parents = [(parent.source, parent.sequence) for parent in record.parents]
-        node = self.ancestry.hear(topic, record.source, sequence, said_ns, parents)
-        if topic.startswith(_DECISION):
-            self.chains.decided(node, record.decision if topic in _NUMBERED else None)
-            self.paths.decided(node)
-        if topic in _DECODED:
-            self._message(sent_of(topic, record))
+    def hear(self, block: Block) -> None:
+        """Take a block into account."""
+        self.index.take(block)
+        for topic, of in block.by_topic:
+            said_ns = of.stamp_ns - self.epoch_ns
+            self.counts[topic].add_block(said_ns, of.end - of.begin, of.sequence, of.previous)
+        self._spans(block.spans)
+        for row in np.flatnonzero(_DECODED[block.topics]).tolist():
+            topic = TOPIC_NAMES[block.topics[row]]
+            sent = decode(topic, block.message(row))
+            if topic.startswith(_DECISION):
+                self._decision(sent)
+            else:
+                self._message(sent)
+        self.chains.catch_up()
 
-    def _span(self, span: Record) -> None:
-        process, topic = span.process, span.topic
-        source, sequence = span.about_source, span.about_sequence
-        start_ns, end_ns = span.start_ns, span.end_ns
-        node = self.ancestry.find((source, sequence))
-        waited_ns = None
-        if node is not None:
-            node.spans.append((process, start_ns, end_ns))
-            waited_ns = start_ns - node.said_ns
-            waited_ns -= transport_ns(node.said_ns, start_ns, self.hop_ns)
-            if process == WORLD and topic.startswith(_DECISION):
-                self.chains.heard(source, sequence)
-        self.tally.loads.add(process, topic, end_ns - start_ns, span.cells, waited_ns)
+    def _spans(self, spans: NDArray[np.int64]) -> None:
+        known, said_ns = self._said_ns(spans)
+        start_ns, end_ns = spans[:, k.START_NS], spans[:, k.END_NS]
+        waited_ns = start_ns - said_ns
+        waited_ns -= np.minimum(waited_ns, self.hop_ns)  # the transport
+        pairs = spans[:, k.PROCESS] * len(NAMES) + spans[:, k.TOPIC]
+        for pair in np.unique(pairs).tolist():
+            of = pairs == pair
+            process, topic = divmod(pair, len(NAMES))
+            self.tally.loads.add_block(
+                NAMES[process],
+                NAMES[topic],
+                (end_ns - start_ns)[of],
+                int(spans[of, k.CELLS].sum()),
+                waited_ns[of & known],
+            )
         if self._on_span is not None:
-            self._on_span(span, node)
+            for row, its_known, its_said_ns in zip(spans, known, said_ns, strict=True):
+                process, topic, source, *numbers = row[k.PROCESS :].tolist()
+                sequence, start, end, cells = numbers
+                names = (NAMES[process], NAMES[topic], NAMES[source])
+                said = int(its_said_ns) if its_known else None
+                self._on_span(SpanRow(*names, sequence, said, start, end, cells))
+
+    def _said_ns(self, spans: NDArray[np.int64]) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+        """When the messages of spans were said: which are known, and their times."""
+        known = np.zeros(len(spans), np.bool_)
+        said_ns = np.zeros(len(spans), np.int64)
+        for source in np.unique(spans[:, k.SOURCE]).tolist():
+            of = spans[:, k.SOURCE] == source
+            known[of], said_ns[of] = self.index.said_ns(NAMES[source], spans[of, k.ABOUT])
+        return known, said_ns
+
+    def _decision(self, sent: Sent) -> None:
+        node = Node(sent.topic, sent.source, sent.sequence, sent.said_ns, sent.parents)
+        made = ancestors(self.index, node)
+        self.unknown += made.unknown
+        self.paths.decided(made)
+        self.chains.decided(made, getattr(sent.message, "decision", None))
 
     def _message(self, sent: Sent) -> None:
         if sent.topic in HEARD:
@@ -124,14 +161,14 @@ class _Listener:
 
     def study(self, reader: RunReader) -> Study:
         """Sum up; the reader must have come to its end."""
-        self.chains.finish()
+        self.chains.catch_up(last=True)
         knowledge = self.known.each()
         return Study(
             analysis=self.tally.analysis(reader),
             hop_ns=self.hop_ns,
             slack=slack_of(self.tally.ledger),
             chains=self.chains.settled(self.tally.ledger),
-            unknown_parents=self.ancestry.unknown,
+            unknown_parents=self.unknown,
             paths=self.paths.times(),
             processes=self.tally.loads.times(),
             traffic=all_traffic(self.counts),
@@ -149,10 +186,10 @@ def study(path: str | Path, on_span: OnSpan | None = None) -> Study:
     that does not say how long a hop takes has all time before a handler counted as queueing.
     """
     with read_run(path) as reader:
-        listener = _Listener(_hop_ns(reader), on_span)
-        for topic, said_ns, data in reader.raw():
+        listener = _Listener(reader.epoch_ns, _hop_ns(reader), on_span)
+        for block in reader.blocks():
             try:
-                listener.hear(topic, said_ns, data)
+                listener.hear(block)
             except SchemaError as error:
                 raise LogReadError(f"{reader.path}: {error}") from error
     return listener.study(reader)

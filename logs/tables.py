@@ -13,15 +13,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from bus.messages import LedgerEntry
-from logs.ancestry import Node
 from logs.chains import DecisionChain
 from logs.decisions import NEVER
+from logs.loads import SpanRow
 from logs.run_log import LogWriteError
-from logs.schema import Record
 from logs.study import Study
 
 LEDGER = LedgerEntry.__struct_fields__
-SPANS = ("process", "topic", "source", "sequence", "said_ns", "start_ns", "end_ns", "cells")
+SPANS = SpanRow._fields
 TOPICS = (
     *("topic", "number", "rate_hz", "period_min_s", "period_median_s", "period_p95_s"),
     *("period_max_s", "jitter_s", "median_bytes", "total_bytes", "gaps"),
@@ -59,13 +58,9 @@ class Tables:
         """The rows that follow are of this log."""
         self._log = str(log)
 
-    def span(self, span: Record, about: Node | None) -> None:
-        """A handler ran: its span's record, and the message that it handled."""
-        row = (
-            *(span.process, span.topic, span.about_source, span.about_sequence),
-            *(about.said_ns if about else None, span.start_ns, span.end_ns, span.cells),
-        )
-        self._write("spans", [row])
+    def span(self, span: SpanRow) -> None:
+        """A handler ran."""
+        self._write("spans", [span])
 
     def study(self, found: Study) -> None:
         """A log is over: the tables that are made of all of it."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from statistics import median
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bus.topics import TOPICS
 from logs.spread import NS_PER_S, Spread, spread
@@ -52,6 +53,9 @@ class TopicCount:
         """
         self.said_ns.append(said_ns)
         self.sizes.append(size)
+        self._link(previous, sequence)
+
+    def _link(self, previous: int, sequence: int) -> None:
         if previous in self._ends:
             self._ends.remove(previous)
         elif previous != FIRST:
@@ -60,6 +64,23 @@ class TopicCount:
             self._named.remove(sequence)
         else:
             self._ends.add(sequence)
+
+    def add_block(
+        self,
+        said_ns: NDArray[np.int64],
+        sizes: NDArray[np.int64],
+        sequence: NDArray[np.int64],
+        previous: NDArray[np.int64],
+    ) -> None:
+        """Messages were said: the same as :meth:`add` for each of them."""
+        self.said_ns.frombytes(said_ns.tobytes())
+        self.sizes.frombytes(sizes.astype(np.int32).tobytes())
+        first, last = int(previous[0]), int(sequence[-1])
+        if np.array_equal(previous[1:], sequence[:-1]):  # nothing between first and last is open
+            self._link(first, last)
+        else:
+            for its_previous, its_own in zip(previous.tolist(), sequence.tolist(), strict=True):
+                self._link(its_previous, its_own)
 
     @property
     def gaps(self) -> int:

@@ -12,13 +12,12 @@ from rich.markup import escape
 
 from logs import checking
 from logs.analysis import IN_TIME
-from logs.ancestry import Node
 from logs.checking import CheckedLog, check_log, checked_to_json
+from logs.loads import SpanRow
 from logs.perfetto import PerfettoFile
 from logs.picture import write_page
 from logs.reader import LogReadError
 from logs.run_log import LogWriteError
-from logs.schema import Record
 from logs.study import Study, study, study_to_json
 from logs.tables import Tables
 from logs.timing_report import combined, render_studies, render_study
@@ -65,11 +64,11 @@ def _study(path: Path, table: Tables | None, perfetto: Path | None) -> Study:
     if table is not None:
         table.begin(path)
 
-    def on_span(span: Record, about: Node | None) -> None:
+    def on_span(span: SpanRow) -> None:
         if table is not None:
-            table.span(span, about)
+            table.span(span)
         if trace is not None:
-            trace.span(span, about)
+            trace.span(span)
 
     found = study(path, on_span if table or trace else None)
     if table is not None:

@@ -146,10 +146,11 @@ class Supervisor:
                 if said["state"] == "started":
                     started_after_s = time.monotonic() - began_s
                 reason = self._take(said) or reason
-            if interrupts.any() and not reason:
+            over = bool(reason)  # else the world never came to its end
+            if interrupts.any() and not over:
                 reason = "stopped"
                 self._asked_to_go.append(WORLD)
-            failed = self._failures(reason)
+            failed = self._failures(reason, over=over)
         show(self.progress)
         return Supervised(reason, self.progress, failed, started_after_s)
 
@@ -207,17 +208,16 @@ class Supervisor:
         self._watched[name].frozen = f"frozen: no answer for {patience_s:g} s"
         self._watched[name].popen.kill()
 
-    def _failures(self, reason: str) -> dict[str, str]:
+    def _failures(self, reason: str, *, over: bool) -> dict[str, str]:
         """Give the processes time to leave; say of each that failed how, and its last words."""
         _, frozen, name = reason.partition("process frozen: ")
         if frozen and name in self._watched:
             self._frozen(name, self._patience_s)
-        well = self.progress.started and self._watched[WORLD].popen.poll() in (None, 0)
-        until_s = time.monotonic() + (SHUTDOWN_S if well else CRASH_SHUTDOWN_S)
+        until_s = time.monotonic() + (SHUTDOWN_S if over else CRASH_SHUTDOWN_S)
         failed: dict[str, str] = {}
         for name, watched in self._watched.items():
             how = self._end_of(watched, until_s)
-            if how is None and well:
+            if how is None and over:
                 how = "did not leave when the run was over"
             if how and name not in self._asked_to_go:
                 failed[name] = f"{how}\n{watched.last_words()}".rstrip()

@@ -41,6 +41,7 @@ class Encounters:
         self._say = say
         self._met = 0
         self._asked: int | None = None
+        self._asked_ns = 0
         self.collisions = 0
 
     def step_in(self, drive: CorridorDrive, corridor: int, now_ns: int) -> None:
@@ -66,12 +67,16 @@ class Encounters:
         until_ns = drive.react_by_ns()
         if until_ns is None:
             return
+        self._asked_ns = now_ns
         self._asked = self._deadlines.ask("reaction", visit, max(until_ns, now_ns))
         self._say(AskedReaction(self._asked, self._met, now_ns, max(until_ns, now_ns)))
 
-    def decided(self, by: Handled | None, acts: int) -> None:
-        """The reactor has said what to do."""
-        if self._asked is not None:
+    def decided(self, by: Handled | None, acts: int, fired_ns: int) -> None:
+        """The reactor has said what to do about what it heard of a ping.
+
+        What it says of a ping before the one that was asked about is about somebody else.
+        """
+        if self._asked is not None and fired_ns >= self._asked_ns:
             self._deadlines.decided(self._asked, by, acts, None)
 
     def over(self, drive: CorridorDrive) -> None:

@@ -187,7 +187,8 @@ class World:
 
     def _reaction(self, sent: Sent) -> None:
         said = _as(ReactionDecision, sent)
-        self.encounters.decided(self._decided_by(sent.id), len(said.expected_utility))
+        acts = len(said.expected_utility)
+        self.encounters.decided(self._decided_by(sent.id), acts, said.fired_ns)
         self._travel.react(said.act)
 
     def _motion(self, sent: Sent) -> None:

@@ -22,22 +22,27 @@ LEFT, RIGHT, TOP, BOTTOM = 56, 12, 22, 24
 """Size of a plot and of the room for its labels, in units of its viewBox."""
 
 
-def slack_bins(slack_s: Sequence[float]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Numbers and edges of a histogram of which one edge is 0: no bar is both late and in time."""
-    lowest, highest = min(0.0, *slack_s), max(0.0, *slack_s)
-    wide = (highest - lowest) / (BINS - 2) or 1.0
-    first, last = int(np.floor(lowest / wide)), int(np.floor(highest / wide)) + 1
-    edges = np.arange(first, last + 1, dtype=np.float64) * wide
-    counts = np.histogram(slack_s, edges)[0].astype(np.int64)
+def slack_bins(slack_ns: Sequence[int]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Numbers in each bin of a histogram, and its edges in seconds, of which one is 0.
+
+    Hence no bar is both late and in time. Counted in whole nanoseconds, so that nothing is lost
+    at an edge; a bin holds its lower edge.
+    """
+    lowest, highest = min(0, *slack_ns), max(0, *slack_ns)
+    wide = max(1, -((lowest - highest) // (BINS - 2)))
+    first, last = lowest // wide, highest // wide
+    which = [ns // wide - first for ns in slack_ns]
+    counts = np.bincount(which, minlength=last - first + 1).astype(np.int64)
+    edges = np.arange(first, last + 2, dtype=np.float64) * wide / NS_PER_S
     return counts, edges
 
 
 def slack_figure(kind: str, entries: Sequence[LedgerEntry]) -> str:
     """Histogram of the slack of the decisions of one kind; "" where none was ever decided."""
-    slack_s = [e.slack_ns / NS_PER_S for e in entries if e.decided_ns != NEVER]
-    if not slack_s:
+    slack_ns = [entry.slack_ns for entry in entries if entry.decided_ns != NEVER]
+    if not slack_ns:
         return ""
-    counts, edges = slack_bins(slack_s)
+    counts, edges = slack_bins(slack_ns)
     tallest = int(counts.max())
     across, up = _Axis(edges[0], edges[-1], LEFT, WIDTH - RIGHT), _upward(0, tallest)
     parts: list[str] = []
@@ -58,8 +63,8 @@ def slack_figure(kind: str, entries: Sequence[LedgerEntry]) -> str:
     parts += [_label(across(v), f"{v:,.4g} s") for v in (edges[0], edges[-1]) if v]
     parts.append(_label(across(0.0), "0", TOP - 8))
     parts.append(_side(up(tallest) + 4, str(tallest)))
-    lates = sum(slack < 0 for slack in slack_s)
-    words = f"{len(slack_s)} {kind} decisions came, {lates} of them late"
+    lates = sum(slack < 0 for slack in slack_ns)
+    words = f"{len(slack_ns)} {kind} decisions came, {lates} of them late"
     name = f"slack-{kind}"
     return _figure(name, f"Slack of {kind} decisions", words, parts) + _as_table(
         ("slack", "decisions"), rows

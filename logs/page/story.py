@@ -35,6 +35,7 @@ class Story:
         self._said: dict[DecisionId, Sent] = {}
         self._reactions: list[Sent] = []
         self._left: dict[int, tuple[int, int]] = {}
+        self._blocked: dict[int, tuple[int, int]] = {}
         self._place: dict[int, int] = {}
         self._visit = 0
         self._reading: dict[int, m.Reading] = {}
@@ -62,6 +63,10 @@ class Story:
                 self._building = building
             case m.Departure(visit=visit, heading=heading):
                 self._left[visit] = (heading, sent.said_ns)
+            case m.Blocked(visit=visit, heading=heading):
+                self._blocked[visit] = (heading, sent.said_ns)
+                if visit - 1 in self._place:
+                    self._place[visit] = self._place[visit - 1]
             case m.Arrival(visit=visit):
                 self._visit = visit
             case m.TruePose(place=place):
@@ -92,6 +97,9 @@ class Story:
                 return Told("never decided", settled_ns)
 
     def _path(self, said: m.PathDecision, settled_ns: int) -> Told:
+        if said.visit + 1 in self._blocked:
+            heading, found_ns = self._blocked[said.visit + 1]
+            return Told(f"tried the way {NAME[heading]} and found a wall", found_ns)
         heading, left_ns = self._left.get(said.visit + 1, (0, settled_ns))
         junction_type = self._junction_type(said, heading)
         if junction_type is None:

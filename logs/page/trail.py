@@ -104,11 +104,10 @@ class Trail:
         if driven_m > 0:
             shares = np.array([far_m / driven_m for _, far_m in self._wheels] + [1.0])
         shares = np.maximum.accumulate(np.clip(shares, 0.0, 1.0))
-        corner = way.corner_share
-        times = np.append(times, np.interp(corner, shares, times))
+        times = np.append(times, np.interp(way.corner_share, shares, times))
+        shares = np.append(shares, way.corner_share)
         order = np.argsort(times, kind="stable")
-        along = [(int(times[i]), float(np.append(shares, corner)[i])) for i in order]
-        knots = [way.at(share, at_ns) for at_ns, share in along]
+        knots = [way.at(float(shares[i]), int(times[i])) for i in order]
         # the first of them repeats the start, but for the heading where there is no turn to show
         return [_at(start, began_ns), *_simpler(knots)[:-1]]
 

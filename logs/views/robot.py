@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
+import numpy as np
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
-from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
+from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
 from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
+from numpy.typing import NDArray
 
 from bus.messages import Sonar, TruePose
 from logs.views.stamps import BUILDING, ROBOT, stamp
+
+_COORDINATES = [
+    PackedElementField(name=name, offset=4 * place, type=PackedElementField.FLOAT32)
+    for place, name in enumerate("xyz")
+]
 
 
 def robot_frame(pose: TruePose, unix_ns: int) -> FrameTransform:
@@ -26,15 +35,22 @@ def robot_frame(pose: TruePose, unix_ns: int) -> FrameTransform:
     )
 
 
-def echoes(sonar: Sonar, fired_unix_ns: int) -> LaserScan:
-    """The echoes of one firing, counter-clockwise from straight ahead; NaN where none came back."""
-    ranges_m = sonar.ranges_m.tolist()
-    last = max(len(ranges_m) - 1, 0) / max(len(ranges_m), 1)
-    return LaserScan(
+@cache
+def _axes(transducers: int) -> NDArray[np.float64]:
+    """Unit vectors (transducers, 3) in the robot's frame, the first straight ahead."""
+    bearings_rad = np.arange(transducers) * (2 * math.pi / max(transducers, 1))
+    return np.column_stack([np.cos(bearings_rad), np.sin(bearings_rad), np.zeros(transducers)])
+
+
+def echoes(sonar: Sonar, fired_unix_ns: int) -> PointCloud:
+    """Where the echoes of one firing came from: a point each, none where none came back."""
+    ranges_m = sonar.ranges_m
+    points = (_axes(len(ranges_m)) * ranges_m[:, None]).astype("<f4")
+    return PointCloud(
         timestamp=stamp(fired_unix_ns),
         frame_id=ROBOT,
         pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
-        start_angle=0.0,
-        end_angle=2 * math.pi * last,
-        ranges=ranges_m,
+        point_stride=points.strides[0],
+        fields=_COORDINATES,
+        data=points[np.isfinite(ranges_m)].tobytes(),
     )

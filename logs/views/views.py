@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
-from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.Log_pb2 import Log
+from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import Message as Record
@@ -23,7 +23,7 @@ PREFIX = "view/"
 VIEWS: dict[str, type[Record]] = {
     "view/building": SceneUpdate,
     "view/robot": FrameTransform,
-    "view/echoes": LaserScan,
+    "view/echoes": PointCloud,
     "view/belief": SceneUpdate,
     "view/log": Log,
 }

@@ -33,9 +33,7 @@ EDGES: Floats = np.stack(
 
 
 @njit(cache=True)
-def heard_in_cone(
-    ahead_m: float, left_m: float, radius_m: float, cone: int
-) -> tuple[float, bool]:
+def heard_in_cone(ahead_m: float, left_m: float, radius_m: float, cone: int) -> tuple[float, bool]:
     """Range to a disc's nearest point in a cone at the origin, and whether the cone holds any.
 
     ``ahead_m`` and ``left_m`` are the disc's centre in the robot's frame (x ahead, y left).

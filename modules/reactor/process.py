@@ -32,7 +32,7 @@ class Reactor:
         self._diagram = compiled(Reacting(body=Body(speed_m_s=facts.speed_m_s)))
         self._tracker = Tracker()
         self._act = "continue"
-        self._answered_s = -math.inf
+        self._said_s = -math.inf
         self._attentive = False
         self._lateral_m = 0.0
         self._scan_before: tuple[MessageId, ...] = ()  # the last that went into the track
@@ -46,7 +46,7 @@ class Reactor:
         self._tracker = Tracker()
         self._scan_before = ()
         self._act, self._lateral_m = "continue", 0.0
-        self._answered_s = -math.inf
+        self._said_s = -math.inf
         self._attend(turn, False)
 
     def _heard(self, said: Ranges, turn: Turn) -> None:
@@ -63,12 +63,12 @@ class Reactor:
         if reaction is not None:
             turn.work("reaction", reaction.cells)
             if reaction.due and (reaction.act != self._act or self._is_new(reaction)):
-                self._say(reaction, turn)
+                self._say(reaction, said.fired_ns, turn)
         self._scan_before = (turn.heard,)
 
     def _is_new(self, reaction: Reaction) -> bool:
-        """Whether something certainly approaches about which nothing has been said yet."""
-        return reaction.answers_s > self._answered_s
+        """Whether something certainly approaches that was not there when it last spoke."""
+        return reaction.newest_s > self._said_s
 
     def _moved_aside_m(self, time_s: float) -> float:
         """How far left of the centre line the last act has brought the robot by now."""
@@ -83,11 +83,15 @@ class Reactor:
             self._attentive = attentive
             turn.say(Attention(self._attention_s if attentive else 0.0))
 
-    def _say(self, reaction: Reaction, turn: Turn) -> None:
+    def _say(self, reaction: Reaction, fired_ns: int, turn: Turn) -> None:
         self._act = reaction.act
-        self._answered_s = max(self._answered_s, reaction.answers_s)
-        said = ReactionDecision(reaction.act, reaction.expected_utility, reaction.approaching)
-        turn.say(said, *self._scan_before)
+        self._said_s = fired_ns / 1e9
+        turn.say(
+            ReactionDecision(
+                reaction.act, reaction.expected_utility, reaction.approaching, fired_ns
+            ),
+            *self._scan_before,
+        )
 
 
 def build(facts: Facts, settings: Settings, _seed: int) -> Reactor:

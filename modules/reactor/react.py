@@ -50,7 +50,7 @@ class Reaction:
     """The best act and why: expected utility of each act in the order of ACTS (seconds of time).
 
     ``approaching`` is the probability that something walks towards the robot. ``due`` says
-    whether to act on it now; if not, another ping comes in time. ``answers_s`` is when the
+    whether to act on it now; if not, another ping comes in time. ``newest_s`` is when the
     newest thing was first heard that certainly approaches (-inf for none), ``cells`` the table
     entries touched.
     """
@@ -60,7 +60,7 @@ class Reaction:
     approaching: float
     cells: int
     due: bool
-    answers_s: float = -math.inf
+    newest_s: float = -math.inf
 
 
 def encounter(belief: Floats, false: float, lateral_m: float, settings: Settings) -> Encounter:
@@ -106,7 +106,9 @@ def react(tracker: Tracker, doing: str, diagram: Diagram) -> Reaction | None:
     met = [(k, note) for k, note in enumerate(tracker.notes.tolist()) if _matters(note, settings)]
     if met:
         outlooks = [
-            outlook(encounter(tracker.beliefs[k], note[FALSE], tracker.lateral_m, settings), diagram)
+            outlook(
+                encounter(tracker.beliefs[k], note[FALSE], tracker.lateral_m, settings), diagram
+            )
             for k, note in met
         ]
         utility = utilities(outlooks, ACTS.index(doing), diagram)
@@ -118,16 +120,17 @@ def react(tracker: Tracker, doing: str, diagram: Diagram) -> Reaction | None:
             approaching=tracker.approaching,
             cells=sum(one.cells for one in outlooks),
             due=clear if goes_on else _is_due(outlooks, best, settings),
-            answers_s=max(_sure(note, settings) for _, note in met),
+            newest_s=max(_first_s(note, settings) for _, note in met),
         )
     if doing == "continue" or not clear:
         return None
     return Reaction("continue", -diagram.loss[:, 0], tracker.approaching, len(ACTS), due=True)
 
 
-def _sure(note: Sequence[float], settings: Settings) -> float:
+def _first_s(note: Sequence[float], settings: Settings) -> float:
     """When a thing was first heard if it certainly approaches, else -inf."""
-    return note[FIRST_S] if note[APPROACHING] > settings.sure else -math.inf
+    sure = note[APPROACHING] > settings.sure and note[PINGS] >= settings.answers_after
+    return note[FIRST_S] if sure else -math.inf
 
 
 def _matters(note: Sequence[float], settings: Settings) -> bool:

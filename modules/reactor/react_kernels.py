@@ -45,9 +45,7 @@ def _ttc_class(seconds: float) -> int:
 
 
 @njit(cache=True)
-def expected(
-    what: Floats, risk_table: Floats, loss: Floats
-) -> tuple[Floats, Floats, float, int]:
+def expected(what: Floats, risk_table: Floats, loss: Floats) -> tuple[Floats, Floats, float, int]:
     """P(collision) and loss of each act, P(walks), entries touched.
 
     ``risk_table`` (acts, what, ttc, line) is that of the robot's side, ``loss`` (acts, what).

@@ -67,8 +67,10 @@ class Settings:
     What approaches with less than ``possible`` is not thought about. An act can wait for the
     next ping, which may show more, until P(approaching) is above ``sure`` and P(collision)
     below ``accepts``; but no longer than until something is here within ``soon_s`` (what
-    pulling aside takes and nearly a second to think) with a probability of ``hurry``. ``again_s`` is how soon a thing that stands is thought about again: two
-    ordinary pings; beyond ``near_m`` it is not thought about at all. ``clear_s`` is how long nothing may be heard before the robot goes on.
+    pulling aside takes and half a second) with a probability of ``hurry``. ``again_s`` is how
+    soon a thing that stands is thought about again: two ordinary pings; beyond ``near_m`` it is
+    not thought about at all. ``clear_s`` is how long nothing may approach before the robot goes
+    on; ``answers_after`` how many pings must be of a thing before it is spoken of for itself.
     """
 
     yields: float = 0.7
@@ -93,6 +95,7 @@ class Settings:
     cross_s: float = 12.0
     again_s: float = 4.0
     near_m: float = 1.5
+    answers_after: int = 4
     clear_s: float = 3.0
     possible: float = 0.01
     sure: float = 0.95
@@ -135,9 +138,7 @@ class Diagram:
 def compiled(settings: Settings) -> Diagram:
     """The diagram with these preferences."""
     odds = np.array([1.0 - settings.yields, settings.yields])
-    risk: Floats = np.ascontiguousarray(
-        np.moveaxis(collision_table(settings), 3, -1) @ odds
-    )
+    risk: Floats = np.ascontiguousarray(np.moveaxis(collision_table(settings), 3, -1) @ odds)
     return Diagram(settings, risk, loss_table(settings), change_table(settings))
 
 

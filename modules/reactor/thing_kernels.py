@@ -122,7 +122,12 @@ def listen(
 
 @njit(cache=True)
 def hide(
-    belief: Floats, false: float, cone: int, echo_m: float, sigma_m: float, lateral_m: float,
+    belief: Floats,
+    false: float,
+    cone: int,
+    echo_m: float,
+    sigma_m: float,
+    lateral_m: float,
     model: EchoModel,
 ) -> float:
     """A transducer heard something else that is known to stand at ``echo_m``.
@@ -144,9 +149,7 @@ def hide(
 
 
 @njit(cache=True)
-def _silence(
-    belief: Floats, false: float, cone: int, lateral_m: float, model: EchoModel
-) -> float:
+def _silence(belief: Floats, false: float, cone: int, lateral_m: float, model: EchoModel) -> float:
     """A transducer heard nothing."""
     missed, nothing = 1.0 - model.heard - model.masked, 1.0 - model.stray
     for row in range(len(SPEEDS_M_S)):

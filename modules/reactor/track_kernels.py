@@ -28,6 +28,9 @@ NOTES = 5
 SETTLED = 0.95
 """Probability from which a thing counts as known to stand."""
 
+WALKS = 0.5
+"""Probability from which a thing is taken for a walker when it is compared with others."""
+
 GONE = 0.999
 """Probability of a false echo from which a thing is dropped."""
 
@@ -176,11 +179,25 @@ def _kept(beliefs: Floats, notes: Floats) -> NDArray[np.int64]:
 
 @njit(cache=True)
 def _same(beliefs: Floats, notes: Floats, a: int, b: int) -> bool:
-    """Whether two things that stand are one: as far away, and on the same side."""
-    if abs(notes[a, STANDS_AT_M] - notes[b, STANDS_AT_M]) > SAME_M:
+    """Whether two things are one: both stand or both walk, as far away, and on the same side."""
+    stand = min(beliefs[a, WEIGHT, 0].sum(), beliefs[b, WEIGHT, 0].sum()) >= SETTLED
+    walk = min(notes[a, APPROACHING], notes[b, APPROACHING]) >= WALKS
+    if not (stand or walk):
         return False
-    one, two = beliefs[a, WEIGHT, 0], beliefs[b, WEIGHT, 0]
-    if min(one.sum(), two.sum()) < SETTLED:
+    one, two = _place(beliefs[a], stand), _place(beliefs[b], stand)
+    if abs(one[-1] - two[-1]) > SAME_M:
         return False
-    shared: float = np.minimum(one / one.sum(), two / two.sum()).sum()
+    shared: float = np.minimum(one[:-1], two[:-1]).sum()
     return shared > 0.5
+
+
+@njit(cache=True)
+def _place(belief: Floats, stands: bool) -> Floats:
+    """Probability of each line and, last, the expected distance, if a thing stands or walks."""
+    first, end = (0, 1) if stands else (1, SHAPE[1])
+    place = np.zeros(SHAPE[2] + 1)
+    for row in range(first, end):
+        for line in range(SHAPE[2]):
+            place[line] += belief[WEIGHT, row, line]
+            place[-1] += belief[WEIGHT, row, line] * belief[DISTANCE, row, line]
+    return place / place[:-1].sum()

@@ -30,7 +30,9 @@ PARENTS = st.lists(st.tuples(NAMES, NUMBERS), max_size=3).map(tuple)
 def arrays(draw: st.DrawFn, spec: Spec) -> Any:
     """An array that a spec allows."""
     least = 1 if spec.meaning in ("likelihood", "distribution") else 0
-    shape = draw(st.lists(st.integers(least, 3), min_size=spec.dimensions, max_size=spec.dimensions))
+    shape = draw(
+        st.lists(st.integers(least, 3), min_size=spec.dimensions, max_size=spec.dimensions)
+    )
     if spec.length is not None:
         shape[-1] = spec.length
     if spec.meaning in ("likelihood", "distribution"):

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from bus.process import PAYLOAD_PATIENCE_S, ModuleProcess
 from bus.recording import Recording
 from bus.topics import DETECTORS, PRIORITY, REACTOR, RECORDER, SENSOR, TOPICS, WORLD
 from bus.turns import Handler, Turn, Worker
-from bus.wire import Sent
+from bus.wire import MessageId, Sent
 from simworld.clock import VirtualClock
 from simworld.voice import Outlet, Speaker
 
@@ -73,6 +74,7 @@ class Ran:
     heard: list[Sent] = field(default_factory=list)
     """By the world."""
     written: list[Sent] = field(default_factory=list)
+    unwritten: list[MessageId] = field(default_factory=list)
     lost: list[tuple[str, str]] = field(default_factory=list)
     errors: dict[str, Exception] = field(default_factory=dict)
     refusals: int = 0
@@ -137,7 +139,7 @@ class Star:
 
     def _world(
         self, env: simpy.Environment, speaker: Speaker, rounds: int
-    ) -> Iterator[simpy.Event]:
+    ) -> simpy.events.ProcessGenerator:
         for ping in range(rounds):
             self._disturb(self, ping)
             ranges_m = np.linspace(0.5, 9.5, 24) + ping
@@ -162,11 +164,16 @@ class Star:
 
     def _start_processes(self) -> None:
         for name, toy in self._modules.items():
-            self._start(name, lambda s, n=name, t=toy: self._run_module(s, n, t))
-        self._start(RECORDER, lambda s: Recording(s, self.keys, self.ran.written.append).run())
+            self._start(name, partial(self._run_module, Worker(name, toy, COSTS)))
+        self._start(RECORDER, self._run_recorder)
 
-    def _run_module(self, session: zenoh.Session, name: str, toy: Toy) -> None:
-        worker = Worker(name, toy, COSTS)
+    def _run_recorder(self, session: zenoh.Session) -> None:
+        written = self.ran.written.append
+        recording = Recording(session, self.keys, written, self._payload_patience_s)
+        recording.run()
+        self.ran.unwritten += recording.lost
+
+    def _run_module(self, worker: Worker, session: zenoh.Session) -> None:
         ModuleProcess(session, self.keys, worker, self._payload_patience_s).run()
 
     def _start(self, name: str, run: Callable[[Any], None]) -> None:

@@ -19,8 +19,8 @@ from bus.grid import (
     type_name,
 )
 
-grids = st.tuples(st.integers(1, 6), st.integers(1, 6)).filter(lambda s: s != (1, 1))
-grids = grids.map(lambda size: Grid(*size))
+sizes = st.tuples(st.integers(1, 6), st.integers(1, 6)).filter(lambda size: size != (1, 1))
+grids = sizes.map(lambda size: Grid(*size))
 
 
 @st.composite
@@ -85,9 +85,7 @@ def test_junction_types_have_a_bit_for_each_corridor(drawn: tuple[Grid, np.ndarr
     assert types.shape == (len(maps), grid.intersections)
     for row, corridors in zip(types, maps, strict=True):
         for x, y in places(grid):
-            slow = sum(
-                d for d in DIRECTIONS if (c := grid.corridor(x, y, d)) >= 0 and corridors[c]
-            )
+            slow = sum(d for d in DIRECTIONS if (c := grid.corridor(x, y, d)) >= 0 and corridors[c])
             assert row[grid.intersection(x, y)] == slow
 
 

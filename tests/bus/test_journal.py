@@ -53,6 +53,21 @@ def test_taken_out_as_time_goes_on_the_order_is_the_same(
     assert written + journal.before(None) == sorted(said, key=key)
 
 
+def test_what_is_dropped_is_what_one_source_says_after_a_time() -> None:
+    journal: Journal[tuple[str, int]] = Journal()
+    for source in ("sensor", "decider"):
+        for at_ns in (4, 5, 6):
+            journal.note(Said("t", source, at_ns, at_ns), (source, at_ns))
+    journal.drop("decider", 5)
+    assert journal.before(None) == [
+        ("sensor", 4),
+        ("decider", 4),
+        ("sensor", 5),
+        ("decider", 5),
+        ("sensor", 6),
+    ]
+
+
 def test_of_one_moment_the_world_is_first_the_clock_and_the_bus_last() -> None:
     journal: Journal[str] = Journal()
     for source in ("clock", "decider", "bus", "reactor", "world"):

@@ -13,6 +13,7 @@ from bus import messages as m
 from bus.topics import TOPIC_OF, WORLD
 from bus.wire import Sent
 from logs.run_log import RunLog
+from scenarios.launch import launch_in_process, prepare
 
 S = 10**9
 EPOCH_NS = 1_767_225_600 * S  # 2026-01-01T00:00:00Z
@@ -156,3 +157,11 @@ def make_log(tmp_path: Path) -> MakeLog:
 @pytest.fixture
 def run_path(make_log: MakeLog, run: list[Sent]) -> Path:
     return make_log(run)
+
+
+@pytest.fixture(scope="session")
+def late_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The log of a real run in which some sensing decisions come too late."""
+    log = tmp_path_factory.mktemp("late") / "late.mcap"
+    launch_in_process(prepare("aces", ["compute.slower.sensing=45"], 1), log)
+    return log

@@ -74,8 +74,8 @@ def test_echoes_belief_and_words_are_those_of_the_moment(page: Path) -> None:
     (ahead_x, ahead_y), (left_x, left_y) = (
         map(float, hit.removesuffix("h0").split()) for hit in hits.split("M")[1:]
     )
-    assert (ahead_x, -ahead_y) == pytest.approx((15.0, 30.0), abs=0.1)
-    assert (left_x, -left_y) == pytest.approx((10.0, 31.0), abs=0.1)
+    assert (ahead_x, -ahead_y) == pytest.approx((15.0, 30.0), abs=0.03)
+    assert (left_x, -left_y) == pytest.approx((10.0, 31.0), abs=0.03)
     lines = [document.by_id(f"corridor-{c}").attributes["class"] for c in range(4)]
     assert lines == ["belief likely", "belief open", "belief open", "belief open"]
     assert document.by_id("said").words.startswith("Decision 2, sensing:")
@@ -132,6 +132,27 @@ def test_keys_filters_and_links_work(page: Path) -> None:
         "Pause",
         "Play",
     ]
+
+
+_PLAYER = """<script type="module">
+document.getElementById("speed").value = "300";
+document.getElementById("play").click();
+setTimeout(() => {
+  document.getElementById("play").click();
+  document.title = location.hash;
+}, 1000);
+</script></body>"""
+
+
+def test_playing_moves_on_and_pausing_puts_the_moment_into_the_address(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    page.write_text(text.replace("</body>", _PLAYER), encoding="utf-8")
+    shown = show(page, "#t=100")
+    assert shown.console == []
+    address = shown.document.all("title")[0].words
+    assert address.startswith("#t=")
+    assert 100 < float(address.removeprefix("#t=")) <= 600  # how far depends on the browser
+    assert shown.document.by_id("play").words == "Play"
 
 
 def test_a_log_of_nothing_makes_no_errors(make_log: MakeLog, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from bus import messages as m
 from bus.wire import Sent
 from logs.page.data import MOST_IN_TIME, MOST_LATE, MOST_PINGS, as_script, notes, page_data
-from logs.page.plots import belief_figures, slack_bins, slack_figure
+from logs.page.plots import BINS, belief_figures, slack_bins, slack_figure
 from logs.page.record import Record
 from logs.page.spans import MOST, Spans
 from logs.page.thin import evenly
@@ -98,11 +98,12 @@ def test_merged_spans_lose_no_work(pairs: list[tuple[int, int]]) -> None:
 
 @given(st.lists(st.integers(-(10**15), 10**15), min_size=1, max_size=60))
 def test_no_bar_of_a_histogram_is_both_late_and_in_time(slack_ns: list[int]) -> None:
-    slack_s = [ns / S for ns in slack_ns]
-    counts, edges = slack_bins(slack_s)
-    assert counts.sum() == len(slack_s)
+    counts, edges = slack_bins(slack_ns)
+    assert len(edges) == len(counts) + 1 <= BINS + 1
     assert 0.0 in edges
-    assert counts[edges[:-1] < 0].sum() == sum(slack < 0 for slack in slack_s)
+    assert edges[0] <= min(0, *slack_ns) / S and max(0, *slack_ns) / S <= edges[-1]
+    assert counts[edges[:-1] < 0].sum() == sum(ns < 0 for ns in slack_ns)
+    assert counts.sum() == len(slack_ns)
 
 
 def test_slack_is_drawn_by_kind_and_told_as_a_table(run: list[Sent]) -> None:

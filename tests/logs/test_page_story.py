@@ -62,6 +62,11 @@ def test_a_path_that_was_not_taken_is_not_told_as_if_it_were() -> None:
         assert told.words == "a way for every junction type; none was taken"
 
 
+def test_a_way_that_ends_at_a_wall_is_told_so() -> None:
+    story = _story(_path(True, 1, 2), *ARRIVED, m.Blocked(2, 8), m.Departure(3, 2))
+    assert story.tell(entry(1, "path", 0, 240, 50)).words == "tried the way west and found a wall"
+
+
 def test_a_sensing_decision_is_told_by_the_outcome_that_came() -> None:
     said = m.SensingDecision(5, 1, 3, np.array([8, -1]), np.array([0, 7]), 0.5)
     first = m.Reading(1, 3, 0, 2, 0.1, 0)
@@ -78,7 +83,7 @@ def test_a_sensing_decision_is_told_by_the_outcome_that_came() -> None:
 
 
 def test_a_reaction_is_the_last_that_was_said_by_then() -> None:
-    acts = [m.ReactionDecision(act, np.zeros(2), 0.9) for act in ("go on", "stop", "retreat")]
+    acts = [m.ReactionDecision(act, np.zeros(2), 0.9, 0) for act in ("go on", "stop", "retreat")]
     speaker, story = Speaker(), Story()
     for at_s, act in zip((1, 12, 14), acts, strict=True):
         story.hear(speaker.say(at_s, act))

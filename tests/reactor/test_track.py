@@ -10,22 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from modules.reactor import Scan, ScanError, Settings, Tracker, react, updated
-from modules.reactor.cone import heard_in_cone
+from modules.reactor import Scan, ScanError, Settings, Tracker, compiled, react, updated
 from modules.reactor.thing import (
-    AXES_RAD,
+    DISTANCE,
     FARTHEST_M,
-    HALF_ANGLE_RAD,
+    LINE_PRIOR,
     LINES_M,
     SPEEDS_M_S,
+    VARIANCE,
     EchoModel,
-    born,
-    line_prior,
-    listened,
-    moved,
 )
+from tests.reactor.things import born, echoes_of_disc, listened, moved, reweighed
 
 SETTINGS = Settings()
+DIAGRAM = compiled(SETTINGS)
+MIDDLE = len(LINES_M) // 2
 DRIVE_M_S = 0.085
 
 
@@ -39,18 +38,10 @@ def scan(
 
 
 def of_disc(
-    time_s: float,
-    ahead_m: float,
-    left_m: float,
-    rng: np.random.Generator | None = None,
-    radius_m: float = 0.25,
+    time_s: float, ahead_m: float, left_m: float, rng: np.random.Generator | None = None
 ) -> Scan:
     """A ping of a disc, without noise or with."""
-    heard = [
-        heard_in_cone(np.array(ahead_m), np.array(left_m), radius_m, float(axis), HALF_ANGLE_RAD)
-        for axis in AXES_RAD
-    ]
-    ranges = [float(r) if h and r < FARTHEST_M else np.nan for r, h in heard]
+    ranges = echoes_of_disc(ahead_m, left_m)
     if rng is not None:
         ranges = [r + (0.01 * r + 0.01) * float(rng.standard_normal()) for r in ranges]
     return scan(time_s, *ranges)
@@ -90,7 +81,7 @@ def test_somebody_is_known_to_approach_within_four_fast_pings(speed: float) -> N
 def test_distance_and_speed_are_learnt(speed: float) -> None:
     thing = approach(speed, 0.4, 12, 5).things[0]
     found = float((thing.weight.sum(axis=1) @ SPEEDS_M_S) / thing.weight.sum())
-    distance = float((thing.weight * thing.distance_m).sum() / thing.weight.sum())
+    distance = float((thing.weight * thing.belief[DISTANCE]).sum() / thing.weight.sum())
     assert found == pytest.approx(speed, abs=0.1)
     assert distance == pytest.approx(8.0 - 11 * 0.25 * (speed + DRIVE_M_S), abs=0.1)
 
@@ -108,7 +99,7 @@ def test_what_stands_is_not_taken_for_somebody() -> None:
         assert tracker.approaching < 0.01
         assert tracker.things[0].standing > 0.99
         assert not tracker.wants_attention
-        assert react(tracker, SETTINGS) is None or tracker.quiet_s >= SETTINGS.clear_s
+        assert react(tracker, "continue", DIAGRAM) is None
 
 
 NONE = np.nan
@@ -121,25 +112,28 @@ def test_echoes_of_one_ping_move_nobody_and_are_forgotten(cones: tuple[int, int,
         for k in range(5):
             heard = [at_m if cone and k == 0 else NONE for cone in cones]
             tracker = updated(tracker, scan(1.0 + 0.25 * k, *heard))
-            reaction = react(tracker, SETTINGS)
-            assert reaction is None or reaction.act == "continue"
+            assert react(tracker, "continue", DIAGRAM) is None
         assert tracker.approaching < 0.01
 
 
 def test_who_has_passed_is_forgotten_and_the_robot_goes_on() -> None:
     tracker = approach(1.3, 0.4, 12, 1, start_m=5.0)
-    reaction = react(tracker, SETTINGS)
-    assert reaction is not None and reaction.act == "pull aside right"
-    acts = []
-    for k in range(12):
-        tracker = updated(tracker, scan(13.0 + k, np.nan))
-        said = react(tracker, SETTINGS)
-        acts.append(said.act if said else None)
-    assert acts[-1] == "continue"
+    reaction = react(tracker, "continue", DIAGRAM)
+    assert reaction is not None and reaction.due and reaction.act == "pull aside right"
+    silent_s = 0.0
+    doing = reaction.act
+    while doing != "continue":
+        silent_s += 0.25
+        assert silent_s < 10.0
+        ping = replace(scan(12.75 + silent_s, np.nan, speed=0.0), lateral_m=-0.65)
+        tracker = updated(tracker, ping)
+        said = react(tracker, doing, DIAGRAM)
+        doing = said.act if said is not None and said.due else doing
+        assert doing in ("pull aside right", "continue")
+    # First the robot waits where it stands.
+    assert silent_s >= SETTINGS.clear_s
+    tracker = updated(tracker, scan(30.0, np.nan))
     assert tracker.things == ()
-    # First the robot waits where it stands: nothing is said for a few seconds.
-    assert acts.index("continue") * 1.0 >= SETTINGS.clear_s - 1.0
-    assert set(acts[: acts.index("continue")]) <= {None, "pull aside right", "stop"}
 
 
 def test_a_person_before_a_wall_that_is_known_is_seen() -> None:
@@ -166,12 +160,12 @@ def test_one_step_is_bayes_rule_by_integration() -> None:
     """On the centre line the range is linear in distance, so a fine grid must agree."""
     model = EchoModel()
     first, second, elapsed = 6.0, 5.62, 0.25
-    # Only cone 0 and only line 0 (index 4) and all speeds: everything else weighs nothing.
+    # Only cone 0 and only the middle line and all speeds: everything else weighs nothing.
     thing = born(0, first, 0.07, 0.0, 0.0, model)
     weight = np.zeros_like(thing.weight)
-    weight[:, 4] = thing.weight[:, 4]
-    thing = replace(thing, weight=weight, false=1.0 - float(weight.sum()))
-    thing = moved(thing, DRIVE_M_S * elapsed, elapsed, replace(model, line_change_hz=0.0))
+    weight[:, MIDDLE] = thing.weight[:, MIDDLE]
+    thing = reweighed(thing, weight)
+    thing = moved(thing, DRIVE_M_S * elapsed, elapsed, model._replace(line_change_hz=0.0))
     after, _ = listened(thing, 0, second, 0.066, 0.0, model)
 
     grid = np.linspace(3.0, 9.0, 60_001)
@@ -179,17 +173,17 @@ def test_one_step_is_bayes_rule_by_integration() -> None:
     evidence = np.zeros(len(SPEEDS_M_S))
     mean = np.zeros(len(SPEEDS_M_S))
     for v in range(len(SPEEDS_M_S)):
-        prior = normal(grid, thing.distance_m[v, 4], thing.variance_m2[v, 4])
+        prior = normal(grid, thing.belief[DISTANCE, v, MIDDLE], thing.belief[VARIANCE, v, MIDDLE])
         likelihood = model.heard * normal(grid - 0.25, second, 0.066**2)
         likelihood = likelihood + model.masked / FARTHEST_M
-        joint = thing.weight[v, 4] * prior * likelihood
+        joint = thing.weight[v, MIDDLE] * prior * likelihood
         evidence[v] = joint.sum() * step
         mean[v] = (joint * grid).sum() * step / evidence[v]
     false = thing.false * model.stray / FARTHEST_M
     total = evidence.sum() + false
-    np.testing.assert_allclose(after.weight[:, 4], evidence / total, atol=1e-9)
+    np.testing.assert_allclose(after.weight[:, MIDDLE], evidence / total, atol=1e-9)
     assert after.false == pytest.approx(false / total, abs=1e-9)
-    np.testing.assert_allclose(after.distance_m[:, 4], mean, atol=1e-6)
+    np.testing.assert_allclose(after.belief[DISTANCE, :, MIDDLE], mean, atol=1e-6)
 
 
 def normal(x: NDArray[np.float64], mean: float, variance: float) -> NDArray[np.float64]:
@@ -222,17 +216,27 @@ def test_whatever_is_heard_probabilities_stay_probabilities(
         for thing in trackers[0].things:
             assert (thing.weight >= 0).all() and 0.0 <= thing.false <= 1.0
             assert thing.weight.sum() + thing.false == pytest.approx(1.0)
-            assert (thing.variance_m2 > 0).all()
+            assert (thing.belief[VARIANCE] > 0).all()
         assert 0.0 <= trackers[0].approaching <= 1.0 + 1e-12
         assert len(trackers[0].things) <= 6
-        react(trackers[0], SETTINGS)
+        react(trackers[0], "continue", DIAGRAM)
     for one, two in zip(trackers[0].things, trackers[1].things, strict=True):
-        assert one.weight.tobytes() == two.weight.tobytes()
-        assert one.distance_m.tobytes() == two.distance_m.tobytes()
+        assert one.belief.tobytes() == two.belief.tobytes()
 
 
 def test_line_prior_is_uniform_across_the_corridor() -> None:
-    # 0.3 m of 1.5 m for the line from 0.25 to 0.55.
-    assert line_prior().sum() == pytest.approx(1.0)
-    assert line_prior()[7] == pytest.approx(0.2)
-    assert LINES_M[4] == pytest.approx(0.0)
+    # 0.1 m of 1.5 m for the line from 0.3 to 0.4.
+    assert LINE_PRIOR.sum() == pytest.approx(1.0)
+    assert LINE_PRIOR[int(np.abs(LINES_M - 0.35).argmin())] == pytest.approx(0.1 / 1.5)
+    assert LINES_M[MIDDLE] == pytest.approx(0.0)
+
+
+def test_what_has_become_impossible_is_not_worked_on_any_more() -> None:
+    tracker = Tracker()
+    cells = []
+    for k in range(8):
+        tracker = updated(tracker, scan(2.0 * k, 9.0 - 0.17 * k))
+        cells.append(tracker.cells)
+    assert tracker.things[0].standing > 0.99
+    assert max(cells) > 3 * len(SPEEDS_M_S) * len(LINES_M)
+    assert cells[-1] == 3 * (1 + len(LINES_M))  # one speed, nought, for three cones

@@ -7,7 +7,6 @@ A hop takes 0.1 ms. The compute profile is ``free``, so that nothing takes time 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +37,6 @@ from tests.scenarios.runs import (
     of_kind,
     scenario_of,
     script_of,
-    shipped,
 )
 
 HOP_NS = 100_000

@@ -310,7 +310,7 @@ def test_a_disk_that_fills_up_ends_the_run_at_once(tmp_path: Path) -> None:
 
 def test_a_full_disk_is_noticed_before_the_run(tmp_path: Path) -> None:
     arguments, _, _ = command(tmp_path, SHORT, "--json", "--log", "/dev/full")
-    said = ended(start(*arguments))
+    said = ended(start(*arguments, env={**os.environ, "TMPDIR": str(tmp_path)}))
     assert said.status == 3
     assert list(said.json["failed"]) == ["recorder"]
     words = "/dev/full: cannot write the log: No space left on device"

@@ -117,7 +117,7 @@ def test_clearance_by_hand() -> None:
         ({"mode": "raw"}, "mode: found 'raw', expected 'trinary' or 'scale'"),
         ({"image": 7}, "image: found 7, expected the name of an image file"),
         ({"image": "gone.png"}, r"gone\.png.*No such file"),
-        ({"image": "map.yaml"}, r"map\.yaml: found cannot identify .*expected an image file"),
+        ({"image": "map.yaml"}, r"map\.yaml: found no image in it, expected an image file"),
     ],
 )
 def test_bad_maps_are_refused_by_file_and_key(
