@@ -57,6 +57,7 @@ class Handled:
     cells: int
     said: int = 0
     """How many messages it said, all at its end."""
+    printed: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,6 +254,11 @@ class Coordinator:
     def alive(self, process: str) -> bool:
         """Whether a process still takes part."""
         return self._processes[process].alive
+
+    def living(self) -> list[str]:
+        """The processes that take part, by priority."""
+        alive = [(p.priority, name) for name, p in self._processes.items() if p.alive]
+        return [name for _, name in sorted(alive)]
 
     def computing(self, process: str, now_ns: int) -> bool:
         """Whether a process is in a handler, or waits for a processor with something to do."""

@@ -297,6 +297,20 @@ class Span(Message, frozen=True):
     cells: int
 
 
+class ProcessState(Message, frozen=True):
+    """What a process does from now on: ``running``, ``down`` or ``ended``."""
+
+    process: str
+    state: str
+
+
+class Output(Message, frozen=True):
+    """What a handler printed."""
+
+    process: str
+    text: str
+
+
 class Refused(Message, frozen=True):
     """A message that was not let in, and why; ``count`` of them so far.
 

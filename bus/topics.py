@@ -57,6 +57,8 @@ _TABLE = (
     Topic("ledger", m.LedgerEntry, WORLD, (), "each decision"),
     Topic("clock/span", m.Span, CLOCK, (), "each handler"),
     # From a source of its own: a refusal must not change the numbers of anything else.
+    Topic("health/state", m.ProcessState, CLOCK, (), "at the beginning, at the end"),
+    Topic("output", m.Output, CLOCK, (), "whenever a handler prints"),
     Topic("health/refused", m.Refused, BUS, (), "never"),
     Topic("run/ended", m.RunEnded, WORLD, (), "once"),
     Topic("truth/building", m.TrueBuilding, WORLD, (), "once", truth=True),

@@ -8,7 +8,9 @@ released when the handler ends, at start + cost.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
+from io import StringIO
 from typing import Any, Protocol, TypeAlias
 
 import msgspec
@@ -113,11 +115,19 @@ class Worker:
         out: list[Sent] = []
         for sent in heard:
             turn = Turn(at_ns, self._costs, sent.id)
-            self._handlers[sent.topic](sent.message, turn)
+            printed = self._handle(sent, turn)
             end_ns = at_ns + turn.cost_ns
-            count = len(turn.said)
             handled.append(
-                Handled(sent.topic, sent.source, sent.sequence, at_ns, end_ns, turn.cells, count)
+                Handled(
+                    sent.topic,
+                    sent.source,
+                    sent.sequence,
+                    at_ns,
+                    end_ns,
+                    turn.cells,
+                    len(turn.said),
+                    printed,
+                )
             )
             for message, parents in turn.said:
                 named = tuple(dict.fromkeys((sent.id, *parents)))  # each once, what was heard first
@@ -125,3 +135,9 @@ class Worker:
             at_ns = end_ns
         said = tuple(Said(s.topic, s.source, s.sequence, s.said_ns) for s in out)
         return Done(grant.process, grant.time_ns, tuple(handled), said), out
+
+    def _handle(self, sent: Sent, turn: Turn) -> str:
+        """Run the handler; returns what it printed, which belongs into the log."""
+        with redirect_stdout(StringIO()) as printed:
+            self._handlers[sent.topic](sent.message, turn)
+        return printed.getvalue()

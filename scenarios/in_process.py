@@ -125,7 +125,9 @@ def run_in_process(
     )
     carrier.world = world
     schedule_faults(env, scenario.fault, clock.died)
+    clock.started()
     world.start()
     reason = env.run(until=world.ended)
+    clock.ended()
     clock.finish()
     return Ended(str(reason), env.now / 1e9, clock.handlers_run, world)

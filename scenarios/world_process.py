@@ -123,8 +123,10 @@ class Run:
         """From the first token to the last farewell."""
         self._hub.wait_until_ready(lambda process: report(state="ready", process=process))
         report(state="started")
+        self._clock.started()
         self._world.start()
         reason = self._env.run(until=self._world.ended)
+        self._clock.ended()
         self._clock.finish()
         self._send_commits(last=True)
         self._hub.farewell()

@@ -14,7 +14,7 @@ import simpy
 
 from bus.coordinator import Coordinator, Done, Grant, Handled, Said
 from bus.journal import Journal
-from bus.messages import Message, Refused, Span
+from bus.messages import Message, Output, ProcessState, Refused, Span
 from bus.protocol import CommitEntry
 from bus.topics import BUS, CLOCK
 from bus.turns import Voice
@@ -72,8 +72,22 @@ class VirtualClock:
             return "process down"
         return "overrun" if self._coordinator.computing(process, self.now_ns) else "late input"
 
+    def started(self) -> None:
+        """All processes take part from now on."""
+        self._say_states("running")
+
+    def ended(self) -> None:
+        """The run is over for all that still take part."""
+        self._say_states("ended")
+
+    def _say_states(self, state: str) -> None:
+        for process in self._coordinator.living():
+            self._log(self._voice, ProcessState(process, state), self.now_ns, ())
+
     def died(self, process: str) -> None:
         """A process is gone: what it was about to say is never said."""
+        if self._coordinator.alive(process):
+            self._log(self._voice, ProcessState(process, "down"), self.now_ns, ())
         self._coordinator.died(process, self.now_ns)
         self._journal.drop(process, self.now_ns)
 
@@ -130,7 +144,10 @@ class VirtualClock:
             handled.end_ns,
             handled.cells,
         )
-        self._log(self._voice, span, handled.end_ns, ((handled.source, handled.sequence),))
+        heard = ((handled.source, handled.sequence),)
+        self._log(self._voice, span, handled.end_ns, heard)
+        if handled.printed:
+            self._log(self._voice, Output(process, handled.printed), handled.end_ns, heard)
 
     def _log(
         self, voice: Voice, message: Message, said_ns: int, parents: tuple[MessageId, ...]

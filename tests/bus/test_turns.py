@@ -13,6 +13,7 @@ from bus.coordinator import Done, Grant
 from bus.costs import CostModel, Rate
 from bus.fields import FieldError
 from bus.messages import ActionEnded, JunctionPrior, Odometry, Ranges, Sonar
+from bus.protocol import pack_done, unpack_done
 from bus.turns import Handler, Turn, Voice, Worker
 from bus.wire import Sent
 
@@ -118,3 +119,18 @@ def test_what_listeners_would_refuse_cannot_be_said() -> None:
     assert str(error.value) == (
         "geographer may not say this on prior/junction: field 'prior': sums to 8, expected 1"
     )
+
+
+class Chatty:
+    """Prints what it hears."""
+
+    @property
+    def handlers(self) -> Mapping[str, Handler]:
+        return {"percept/sonar": lambda said, _turn: print("ping", said.ping)}
+
+
+def test_what_a_handler_prints_goes_into_the_log_with_its_work() -> None:
+    worker = Worker("sensor", Chatty(), COSTS)
+    done, _ = run(9, echo(0, 7, 0), echo(1, 8, 0), worker=worker)
+    assert [h.printed for h in done.handled] == ["ping 7\n", "ping 8\n"]
+    assert unpack_done(pack_done(done)) == done

@@ -82,11 +82,14 @@ class Joint:
     @property
     def posterior(self) -> Floats:
         """The probability of every map."""
-        return self.weight / self.weight.sum()
+        posterior: Floats = self.weight / self.weight.sum()
+        return posterior
 
     def junction(self, place: int) -> Floats:
         """The marginal of a place's junction type, (16,)."""
-        return np.bincount(bits_at(self.maps, self.grid, place), self.posterior, 16)
+        types = bits_at(self.maps, self.grid, place)
+        marginal: Floats = np.bincount(types, self.posterior, 16).astype(np.float64)
+        return marginal
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Any
 import simpy
 
 from bus.coordinator import Coordinator, Done, Grant, Handled, Said
-from bus.messages import Refused, Span
+from bus.messages import ProcessState, Refused, Span
 from bus.protocol import CommitEntry
 from bus.wire import RefusedError, Sent
 from simworld.clock import VirtualClock
@@ -206,3 +206,21 @@ def test_a_refusal_is_written_at_its_time_and_changes_no_other_number() -> None:
         (60, "bus", 1, 0, Refused("belief/map", "intruder", 9, "FieldError: no", 2)),
     ]
     assert [e for e in with_it if e not in refusals] == without
+
+
+def test_processes_say_what_they_do_in_simulated_time() -> None:
+    rig = Rig({"x": ("sensor", "decider")})
+    rig.clock.started()
+    rig.env.run(until=40)
+    rig.clock.died("sensor")
+    rig.env.run(until=90)
+    rig.clock.ended()
+    rig.clock.finish()
+    states = [
+        (e.said_ns, e.message.process, e.message.state)
+        for e in rig.log
+        if isinstance(e, Sent) and isinstance(e.message, ProcessState)
+    ]
+    assert ("sensor" in {p for _, p, _ in states}) and ("decider" in {p for _, p, _ in states})
+    assert {(t, s) for t, p, s in states if p == "sensor"} == {(0, "running"), (40, "down")}
+    assert {(t, s) for t, p, s in states if p == "decider"} == {(0, "running"), (90, "ended")}
