@@ -24,7 +24,7 @@ from bus.wire import RefusedError, Sent, pack, unpack
 GRANT_PATIENCE_S = 60.0
 """How long a granted process may compute, by the wall clock, before it counts as frozen."""
 
-READY_PATIENCE_S = 60.0
+READY_PATIENCE_S = 300.0
 FAREWELL_PATIENCE_S = 60.0
 
 Item: TypeAlias = tuple[str, bytes]
@@ -75,7 +75,10 @@ class Hub:
         self._queue.put((ALIVE if alive else GONE, process.encode()))
 
     def wait_until_ready(self, say: Callable[[str], None]) -> None:
-        """Wait for every process's token. Raises NotReadyError after a minute."""
+        """Wait for every process's token. Raises NotReadyError after five minutes.
+
+        The first run on a machine compiles: that may take half a minute and more.
+        """
         expected = {*self._grants, RECORDER}
         told: set[str] = set()
 

@@ -80,20 +80,19 @@ def _most(one: DecisionChain) -> str:
 
 
 def _queues(found: Study) -> Table:
-    columns = ("process", "handler", "handled", "cells", "median", "p95", "longest", "waited")
+    columns = ("process", "handler", "handled", "median", "p95", "longest", "waited", "at most")
     table = make_table("Handlers and queues", *columns, left=("process", "handler"))
     for process in found.processes:
-        waited = process.waited
         for k, of in enumerate(process.handlers):
             table.add_row(
                 "" if k else escape(process.process),
                 escape(of.topic),
                 f"{of.took.number:,}",
-                f"{of.cells:,}",
                 seconds(of.took.median_s),
                 seconds(of.took.p95_s),
                 seconds(of.took.max_s),
-                "" if k else f"{process.waited_at_all}, {seconds(waited.max_s)}",
+                "" if k else f"{process.waited_at_all:,}",
+                "" if k else seconds(process.waited.max_s),
             )
     return table
 

@@ -28,7 +28,7 @@ def feature_is_there(junction_type: int, heading: int, feature: int, wedge: int)
     table = {
         OPENING: (ahead, left, False, False, behind, False, False, right),
         FLAT_WALL: (not ahead, not left, not left, True, False, True, not right, not right),
-        CONVEX_CORNER: (False, left, left, False, False, False, right, right & ahead),
+        CONVEX_CORNER: (False, left & ahead, left, False, False, False, right, right & ahead),
     }
     return table[feature][wedge]
 

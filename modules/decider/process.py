@@ -17,6 +17,7 @@ from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.decider.decision import decide
 from modules.decider.effort import LADDER, largest_that_fits
+from modules.decider.rehearsal import rehearse
 from modules.decider.settings import Settings
 from modules.decider.situation import Situation
 
@@ -101,4 +102,5 @@ class Decider:
 
 def build(facts: Facts, settings: Settings, _seed: int) -> Decider:
     """The decider of one run."""
+    rehearse(facts.grid)
     return Decider(facts, settings)

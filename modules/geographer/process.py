@@ -27,7 +27,7 @@ from bus.wire import MessageId
 from modules.geographer.connected_maps import ConnectedMaps
 from modules.geographer.record import neighbour, nothing
 from modules.geographer.roads import unknown_roads
-from modules.geographer.sampling import weighted_maps
+from modules.geographer.sampling import rehearse, weighted_maps
 from modules.geographer.settings import Settings
 
 
@@ -141,4 +141,5 @@ class Geographer:
 
 def build(facts: Facts, settings: Settings, seed: int) -> Geographer:
     """The geographer of one run. Raises GridTooWideError for a grid beyond it."""
+    rehearse(ConnectedMaps(facts.columns, facts.rows))
     return Geographer(facts, settings, seed)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bus.grid import Maps
 from modules.geographer.connected_maps import ConnectedMaps, MapBelief
-from modules.geographer.record import Record
+from modules.geographer.record import Record, nothing
 
 POSSIBLE = 1e-9
 """Junction types less probable than this get no maps of their own."""
@@ -60,3 +60,10 @@ def weighted_maps(
     weights = np.repeat(types[possible] / types[possible].sum() / per_type, per_type)
     updates = len(possible) if len(possible) > 1 else 0
     return WeightedMaps(maps, weights, belief.log_probability(maps), updates)
+
+
+def rehearse(all_maps: ConnectedMaps) -> None:
+    """Use everything once, so that it is compiled before anybody waits for it."""
+    record = nothing(all_maps.grid)
+    belief = all_maps.posterior(record.junctions, 1.0, record.corridors)
+    weighted_maps(all_maps, record, belief, 0, 1, 1.0, np.random.default_rng(0))

@@ -134,8 +134,12 @@ def _first_s(note: Sequence[float], settings: Settings) -> float:
 
 
 def _matters(note: Sequence[float], settings: Settings) -> bool:
-    """Whether a thing is known well enough, and may be in the way."""
-    near = note[STANDS_AT_M] < settings.near_m
+    """Whether a thing is known well enough, and may be in the way.
+
+    What rather is a false echo than stands is not stopped for: beside the robot, where no
+    transducer looks, nothing would ever speak for or against it.
+    """
+    near = note[STANDS_AT_M] < settings.near_m and note[FALSE] < 0.5
     return note[PINGS] > 1 and (near or note[APPROACHING] > settings.possible)
 
 

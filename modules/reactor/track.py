@@ -77,7 +77,7 @@ class Tracker:
     approaching: float = 0.0
     cells: int = 0
 
-    attention_at: float = 0.0005
+    attention_at: float = 0.0002
     """Probability of an approaching thing from which faster pings are wanted: an echo that only
     one of two transducers heard that should have is worth another look."""
     alert_at: float = 0.01

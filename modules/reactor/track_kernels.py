@@ -31,7 +31,7 @@ SETTLED = 0.95
 WALKS = 0.5
 """Probability from which a thing is taken for a walker when it is compared with others."""
 
-GONE = 0.999
+GONE = 0.9995
 """Probability of a false echo from which a thing is dropped."""
 
 SAME_M = 0.45

@@ -27,11 +27,13 @@ def hear(reactor: Reactor, time_s: float, echoes: list[float], action: int = 0) 
     return turn
 
 
-def walk_by(reactor: Reactor, left_m: float, begins_s: float = 10.0) -> list[Turn]:
-    """Somebody comes from 8 m ahead at 1.2 m/s and passes; then it is quiet for five seconds."""
+def walk_by(
+    reactor: Reactor, left_m: float, begins_s: float = 10.0, quiet: int = 24
+) -> list[Turn]:
+    """Somebody comes from 8 m ahead at 1.2 m/s and passes; then nothing is heard for so long."""
     ahead = [8.0 - 0.25 * 1.285 * k for k in range(26)]
     heard = [echoes_of_disc(d, left_m) if d > 0.5 else [NAN] * 3 for d in ahead]
-    heard += [[NAN] * 3] * 24
+    heard += [[NAN] * 3] * quiet
     return [hear(reactor, begins_s + 0.25 * k, echoes) for k, echoes in enumerate(heard)]
 
 
@@ -57,12 +59,10 @@ def test_who_comes_head_on_is_answered_by_an_act_and_continue_at_the_end() -> No
 
 def test_a_second_person_is_answered_though_the_act_is_the_same() -> None:
     reactor = build(FACTS, Settings(), 1)
-    walk_by(reactor, 0.3)[-1]
-    first = walk_by(reactor, 0.3, 30.0)[:26]  # passes, and before it is quiet
+    first = walk_by(reactor, 0.3, quiet=0)
     assert [one.act for one in decisions(first)] == ["pull aside right"]
-    again = walk_by(reactor, 0.3, 36.5)
-    acts = [one.act for one in decisions(again)]
-    assert acts == ["pull aside right", "continue"]
+    again = walk_by(reactor, 0.3, begins_s=16.5)
+    assert [one.act for one in decisions(again)] == ["pull aside right", "continue"]
 
 
 def test_thinking_is_reported_as_work_whatever_comes_of_it() -> None:
@@ -84,7 +84,7 @@ def test_echoes_of_a_sensing_action_and_a_departure_are_only_noted() -> None:
     reactor = build(FACTS, Settings(), 1)
     turn = hear(reactor, 1.0, [3.0, 3.0, 3.0], action=7)
     assert turn.works == [("note", 1)] and turn.said == []
-    walk_by(reactor, 0.3)[0]
+    walk_by(reactor, 0.3)
     turn = Turn(0, CostModel("free"), ("world", 0))
     reactor.handlers["percept/departure"](Departure(2, 2), turn)
     assert decisions([turn]) == []

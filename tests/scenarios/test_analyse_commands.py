@@ -69,7 +69,7 @@ def _rows(folder: Path, table: str) -> list[dict[str, str]]:
 def test_tables_hold_every_log(logs: tuple[Path, Path], tmp_path: Path) -> None:
     folder = tmp_path / "tables"
     assert _run("analyse", *logs, "--tables", folder).exit_code == 1
-    found = [one for one in json.loads(_run("analyse", *logs, "--json").stdout)["logs"]]
+    found = json.loads(_run("analyse", *logs, "--json").stdout)["logs"]
     sizes = {
         "ledger": sum(len(one["ledger"]) for one in found),
         "spans": sum(load["handlers"] for one in found for load in one["loads"]),

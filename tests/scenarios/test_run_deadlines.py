@@ -61,6 +61,14 @@ def late(said: Run, kind: str) -> list[LedgerEntry]:
     return [e for e in entries if e.kind == kind and e.cause]
 
 
+def ending(said: Run) -> tuple[str, int]:
+    """Why the run ended, and when."""
+    ((reason, at_ns),) = (
+        (s.message.reason, s.said_ns) for s in said if isinstance(s.message, RunEnded)
+    )
+    return reason, at_ns
+
+
 def takes_ns(motion: Motion) -> int:
     """How long a sensing action takes, from its steps: 0.085 m/s, 15 degrees/s, 0.96 s a ping."""
     each = {
@@ -166,7 +174,7 @@ def test_a_slow_geographer_makes_the_decisions_that_wait_for_it_late() -> None:
     assert sensing.idle_ns == -sensing.slack_ns
     # both came at once: the robot stood for want of the first, and no time counts twice
     assert next(e for e in late(said, "path") if e.visit == 0).idle_ns == 0
-    assert {e.cause for e in of_kind(said, LedgerEntry)} == {"late input"}
+    assert {e.cause for e in of_kind(said, LedgerEntry)} <= {"", "late input"}
 
 
 def killed(at_s: float, **changes: Any) -> Scenario:
@@ -180,8 +188,7 @@ def test_a_dead_process_ends_the_run_at_the_next_deadline_that_it_misses(
     # before 30 s it has answered for visit 0 already, so that the next question is for visit 1
     said = everything_said(killed(at_s))
     question = next(q for q in of_kind(said, AskedPath) if q.visit == visit)
-    assert said[-1].message == RunEnded("process down: decider")
-    assert said[-1].said_ns == question.until_ns
+    assert ending(said) == ("process down: decider", question.until_ns)
     (entry,) = late(said, "path")
     assert (entry.decision, entry.cause) == (question.decision, "process down")
     assert (entry.decided_ns, entry.slack_ns, entry.idle_ns) == (-1, 0, 0)
@@ -192,8 +199,7 @@ def test_what_a_process_would_have_said_after_its_death_is_never_said() -> None:
     # it has the question and the belief after 0.2 ms, computes for 20 s, and dies after 10 s
     said = everything_said(killed(10.0, compute__slower={"path": 20.0}))
     assert not of_kind(said, PathDecision)
-    assert said[-1].message == RunEnded("process down: decider")
-    assert said[-1].said_ns == FIRST_DRIVE_NS
+    assert ending(said) == ("process down: decider", FIRST_DRIVE_NS)
 
 
 @pytest.mark.parametrize("what", ["slow", "killed"])
