@@ -16,13 +16,12 @@ import zstandard
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
-from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, get_chunk_data_stream
+from mcap.stream_reader import MAGIC_SIZE, get_chunk_data_stream
 
 from bus.topics import TOPICS
 from bus.wire import Sent
-from logs.records import chunk_records
+from logs.records import SequentialReader, chunk_records
 from logs.run_log import METADATA
 from logs.schema import SchemaError, decode, schema, schema_name
 
@@ -156,7 +155,7 @@ class RunReader:
     def _past_head(self) -> Iterator[McapRecord]:
         """Read up to the end of metadata and attachments; what is left to read."""
         size = self.path.stat().st_size
-        stream = _WithoutIndex(
+        stream = SequentialReader(
             self._file, emit_chunks=True, validate_crcs=True, record_size_limit=size
         )
         records = stream.records
@@ -285,16 +284,6 @@ class RunReader:
             f"{self.path}: found {topic} recorded as another {found.name if found else 'nothing'}, "
             f"expected {schema_name(topic)} with the fields that this version of the program knows"
         )
-
-
-class _WithoutIndex(StreamReader):
-    """Passes over the indexes after each chunk: taking them apart takes longer than all else."""
-
-    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
-        if opcode == Opcode.MESSAGE_INDEX:
-            self._stream.read(length)
-            return None
-        return super()._read_record(opcode, length)
 
 
 def _with_first(first: McapRecord, rest: Iterator[McapRecord]) -> Iterator[McapRecord]:

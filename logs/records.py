@@ -13,8 +13,8 @@ from typing import TypeAlias
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Schema
-from mcap.stream_reader import get_chunk_data_stream
+from mcap.records import Channel, Chunk, McapRecord, Schema
+from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 RawMessage: TypeAlias = tuple[int, int, int, bytes]
 """A message in its chunk: channel, sequence (its low 32 bits), log time in ns, data."""
@@ -46,3 +46,13 @@ def chunk_records(chunk: Chunk) -> Iterator[RawMessage | Schema | Channel]:
             yield Schema.read(ReadDataStream(BytesIO(data[begin:at])))
         elif opcode == Opcode.CHANNEL:
             yield Channel.read(ReadDataStream(BytesIO(data[begin:at])))
+
+
+class SequentialReader(StreamReader):
+    """Passes over the indexes after each chunk: taking them apart takes longer than all else."""
+
+    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
+        if opcode == Opcode.MESSAGE_INDEX:
+            self._stream.read(length)
+            return None
+        return super()._read_record(opcode, length)

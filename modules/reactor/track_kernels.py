@@ -179,25 +179,22 @@ def _kept(beliefs: Floats, notes: Floats) -> NDArray[np.int64]:
 
 @njit(cache=True)
 def _same(beliefs: Floats, notes: Floats, a: int, b: int) -> bool:
-    """Whether two things are one: both stand or both walk, as far away, and on the same side."""
-    stand = min(beliefs[a, WEIGHT, 0].sum(), beliefs[b, WEIGHT, 0].sum()) >= SETTLED
-    walk = min(notes[a, APPROACHING], notes[b, APPROACHING]) >= WALKS
-    if not (stand or walk):
+    """Whether two things are one: both walk and are as far away, or both stand in one place.
+
+    Two who walk abreast are taken for one: their echoes cannot be told apart.
+    """
+    if min(notes[a, APPROACHING], notes[b, APPROACHING]) >= WALKS:
+        return abs(_walks_at_m(beliefs[a]) - _walks_at_m(beliefs[b])) <= SAME_M
+    one, two = beliefs[a, WEIGHT, 0], beliefs[b, WEIGHT, 0]
+    if min(one.sum(), two.sum()) < SETTLED:
         return False
-    one, two = _place(beliefs[a], stand), _place(beliefs[b], stand)
-    if abs(one[-1] - two[-1]) > SAME_M:
-        return False
-    shared: float = np.minimum(one[:-1], two[:-1]).sum()
-    return shared > 0.5
+    shared: float = np.minimum(one / one.sum(), two / two.sum()).sum()
+    return shared > 0.5 and abs(notes[a, STANDS_AT_M] - notes[b, STANDS_AT_M]) <= SAME_M
 
 
 @njit(cache=True)
-def _place(belief: Floats, stands: bool) -> Floats:
-    """Probability of each line and, last, the expected distance, if a thing stands or walks."""
-    first, end = (0, 1) if stands else (1, SHAPE[1])
-    place = np.zeros(SHAPE[2] + 1)
-    for row in range(first, end):
-        for line in range(SHAPE[2]):
-            place[line] += belief[WEIGHT, row, line]
-            place[-1] += belief[WEIGHT, row, line] * belief[DISTANCE, row, line]
-    return place / place[:-1].sum()
+def _walks_at_m(belief: Floats) -> float:
+    """Expected distance of a thing if it walks."""
+    weight = belief[WEIGHT, 1:]
+    expected: float = (weight * belief[DISTANCE, 1:]).sum() / weight.sum()
+    return expected

@@ -148,6 +148,26 @@ def test_a_person_before_a_wall_that_is_known_is_seen() -> None:
     assert tracker.approaching > 0.99
 
 
+def test_one_person_is_not_taken_for_two() -> None:
+    rng = np.random.default_rng(4)
+    tracker = Tracker()
+    for k in range(14):
+        ahead = 8.0 - 0.25 * k * 1.385
+        ping = of_disc(10.0 + 0.25 * k, ahead, 0.1, rng)
+        if k == 5:  # far off, and one transducer hears nothing
+            ping.mean_m[0] -= 0.4
+            ping.mean_m[1] = np.nan
+        tracker = updated(tracker, ping)
+    assert sum(thing.approaching > 0.5 for thing in tracker.things) == 1
+
+
+def test_an_echo_of_which_the_better_half_is_missing_asks_for_attention() -> None:
+    # At the side only two transducers hear him, and the one straight ahead has dropped out.
+    tracker = updated(Tracker(), scan(1.0, np.nan, left=7.0))
+    assert tracker.wants_attention
+    assert not updated(tracker, scan(1.25, np.nan)).wants_attention
+
+
 def test_scans_must_follow_in_time() -> None:
     tracker = updated(Tracker(), scan(2.0, 5.0))
     with pytest.raises(ScanError, match=r"2\.0 s after 2\.0 s"):

@@ -6,7 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modules.reactor.cone import heard_in_cone
-from modules.reactor.thing import FARTHEST_M, SHAPE, WEIGHT, EchoModel, Thing
+from modules.reactor.thing import (
+    FARTHEST_M,
+    LINES_M,
+    SHAPE,
+    SPEEDS_M_S,
+    WEIGHT,
+    EchoModel,
+    Thing,
+)
 from modules.reactor.thing_kernels import bear, listen, move
 from modules.reactor.track import Tracker
 from modules.reactor.track_kernels import NOTES, PINGS
@@ -45,10 +53,23 @@ def reweighed(thing: Thing, weight: NDArray[np.float64], pings: int = 1) -> Thin
     return Thing(belief, 1.0 - float(weight.sum()), pings, thing.first_s)
 
 
-def tracker_with(thing: Thing, time_s: float = 1.0) -> Tracker:
+def walker(ahead_m: float, speed_m_s: float, left_m: float, p: float, pings: int = 2) -> Thing:
+    """A person of whom all is known, but for a probability of 1 - p that nobody is there."""
+    thing = born(0, ahead_m, 0.04, 0.0, 1.0, EchoModel())
+    weight = np.zeros_like(thing.weight)
+    weight[int(np.abs(SPEEDS_M_S - speed_m_s).argmin()), line_at(left_m)] = p
+    return reweighed(thing, weight, pings)
+
+
+def line_at(left_m: float) -> int:
+    """The line nearest to so far left of the centre line."""
+    return int(np.abs(LINES_M - left_m).argmin())
+
+
+def tracker_with(thing: Thing, time_s: float = 1.0, stands_at_m: float = np.inf) -> Tracker:
     """A tracker that knows of one thing."""
     note = np.zeros((1, NOTES))
-    note[0] = thing.false, thing.pings, thing.first_s, thing.approaching, np.inf
+    note[0] = thing.false, thing.pings, thing.first_s, thing.approaching, stands_at_m
     assert note[0, PINGS] == thing.pings
     return Tracker(
         time_s=time_s,
