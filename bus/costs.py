@@ -59,16 +59,26 @@ UNLIMITED = 2**62
 
 HUEY_CELL_NS = 948_000.0
 HUEY_BELIEF_NS = 2_090_000_000.0
+HUEY_COMPILED_NS = 10_000.0
+"""A cell of a compiled table, against one of a general network: about a hundred instructions on
+a workstation of 1990 with some ten million a second (assumption; the paper does not price it)."""
+
+_HUEY = {
+    "belief": Rate(HUEY_BELIEF_NS, HUEY_CELL_NS),
+    "sensing": Rate(0.0, HUEY_CELL_NS),
+    "reading": Rate(0.0, HUEY_CELL_NS),
+    "path": Rate(0.0, HUEY_CELL_NS),
+    "interpret": Rate(0.0, HUEY_COMPILED_NS),
+    "track": Rate(0.0, HUEY_COMPILED_NS),
+    "reaction": Rate(0.0, HUEY_COMPILED_NS),
+    # echo, scan and note cost nothing: the sonar board and the base do them
+}
 
 PROFILES: Mapping[str, Mapping[str, Rate]] = MappingProxyType(
     {
         "free": {},
         # Fitted to the paper's Table 1: 2.09 s + 0.948 ms a cell of a belief update, r = 0.997.
-        # The other kinds get the same price a cell and nothing to begin with.
-        "huey-1990": {
-            kind: Rate(HUEY_BELIEF_NS if kind == "belief" else 0.0, HUEY_CELL_NS)
-            for kind in KINDS
-            if kind not in ("echo", "scan", "note")  # done by the sonar board and by the base
-        },
+        # What else is inference gets the same price a cell, and nothing to begin with.
+        "huey-1990": MappingProxyType(_HUEY),
     }
 )

@@ -106,16 +106,8 @@ class Geographer:
         odds = self._settings.corridor_odds
         record = self._record
         belief = self._maps.posterior(record.junctions, odds, record.corridors)
-        maps = weighted_maps(
-            self._maps,
-            record,
-            belief,
-            self._ahead,
-            self._settings.maps_per_type,
-            odds,
-            self._rng,
-        )
-        turn.work("belief", self._maps.update_cells * (1 + maps.updates))
+        maps = weighted_maps(belief, self._ahead, self._settings.maps_per_type, self._rng)
+        turn.work("belief", self._maps.update_cells + maps.cells)
         x, y = self._grid.place(self._ahead)
         made_from = self._made_from.values()
         ahead = belief.junctions[y, x].copy()

@@ -10,8 +10,8 @@ import msgspec
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The prior, and how many maps stand for the belief.
 
-    ``corridor_odds``: prior odds that a corridor exists; ``maps_per_type``: how many maps are
-    sampled for each junction type that the LDP ahead may have.
+    ``corridor_odds``: prior odds that a corridor exists; ``maps_per_type``: how many maps
+    at most stand for each junction type that the LDP ahead may have.
     """
 
     corridor_odds: Annotated[float, msgspec.Meta(gt=0)] = 1.0

@@ -136,10 +136,10 @@ def _first_s(note: Sequence[float], settings: Settings) -> float:
 def _matters(note: Sequence[float], settings: Settings) -> bool:
     """Whether a thing is known well enough, and may be in the way.
 
-    What rather is a false echo than stands is not stopped for: beside the robot, where no
-    transducer looks, nothing would ever speak for or against it.
+    What most likely is a false echo is not stopped for: beside the robot, where no transducer
+    looks, nothing would ever speak for or against it.
     """
-    near = note[STANDS_AT_M] < settings.near_m and note[FALSE] < 0.5
+    near = note[STANDS_AT_M] < settings.near_m and note[FALSE] < settings.dismissed
     return note[PINGS] > 1 and (near or note[APPROACHING] > settings.possible)
 
 

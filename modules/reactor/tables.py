@@ -68,8 +68,8 @@ class Settings:
     next ping, which may show more, until P(approaching) is above ``sure`` and P(collision)
     below ``accepts``; but no longer than until something is here within ``soon_s`` (what
     pulling aside takes and half a second) with a probability of ``hurry``. ``again_s`` is how
-    soon a thing that stands is thought about again: two ordinary pings; beyond ``near_m`` it is
-    not thought about at all. ``clear_s`` is how long nothing may approach before the robot goes
+    soon a thing that stands is thought about again: two ordinary pings; beyond ``near_m``, or
+    if it is a false echo with more than ``dismissed``, it is not thought about at all. ``clear_s`` is how long nothing may approach before the robot goes
     on; ``answers_after`` how many pings must be of a thing before it is spoken of for itself.
     """
 
@@ -95,6 +95,7 @@ class Settings:
     cross_s: float = 12.0
     again_s: float = 4.0
     near_m: float = 1.5
+    dismissed: float = 0.9
     answers_after: int = 4
     clear_s: float = 3.0
     possible: float = 0.01

@@ -277,7 +277,7 @@ def test_going_on_is_a_decision_too() -> None:
     assert unsure.newest_s == -np.inf
 
 
-def test_what_rather_is_a_false_echo_holds_nobody_up() -> None:
+def test_what_most_likely_is_a_false_echo_holds_nobody_up() -> None:
     thing = born(0, 0.8, 0.04, -0.65, 1.0, EchoModel())
     weight = np.zeros_like(thing.weight)
     weight[0] = 0.03 * LINE_PRIOR  # stands, beside the robot, where no cone will ever hear it
