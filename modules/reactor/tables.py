@@ -64,13 +64,14 @@ class Settings:
     ``cross_s``, for it takes the person by surprise. Whether a person yields is an assumption
     too: most look up.
 
-    What approaches with less than ``possible`` is not thought about. An act can wait for the
-    next ping, which may show more, until P(approaching) is above ``sure`` and P(collision)
-    below ``accepts``; but no longer than until something is here within ``soon_s`` (what
-    pulling aside takes and half a second) with a probability of ``hurry``. ``again_s`` is how
-    soon a thing that stands is thought about again: two ordinary pings; beyond ``near_m``, or
-    if it is a false echo with more than ``dismissed``, it is not thought about at all. ``clear_s`` is how long nothing may approach before the robot goes
-    on; ``answers_after`` how many pings must be of a thing before it is spoken of for itself.
+    What approaches with less than ``possible`` is not thought about, nor what stands beyond
+    ``near_m`` or is a false echo with more than ``dismissed``. An act can wait for the next
+    ping, which may show more, until P(approaching) is above ``sure`` and P(collision) below
+    ``accepts``; but no longer than until something is here within ``soon_s`` (what pulling
+    aside takes and half a second) with a probability of ``hurry``. ``again_s`` is how soon a
+    thing that stands is thought about again: two ordinary pings. ``clear_s`` is how long
+    nothing may approach before the robot goes on; ``answers_after`` how many pings must be of a
+    thing before it is spoken of for itself.
     """
 
     yields: float = 0.7

@@ -87,7 +87,8 @@ class Thing:
     @property
     def weight(self) -> Floats:
         """Probability of each speed and line, (speeds, lines)."""
-        return self.belief[WEIGHT]
+        weight: Floats = self.belief[WEIGHT]
+        return weight
 
     @property
     def approaching(self) -> float:

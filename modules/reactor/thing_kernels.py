@@ -180,4 +180,5 @@ def weighed(belief: Floats, false: float) -> float:
             belief[WEIGHT, row] = 0.0
         else:
             belief[WEIGHT, row] /= total
-    return false / total
+    share: float = false / total
+    return share

@@ -21,6 +21,14 @@ GUARD_S = 60.0
 NUMBER = 5_000
 
 
+def _wait_until_ready(hub: zenoh.Session, keys: link.Keys) -> None:
+    """Until the hub knows what the recorder listens to: what is said before that is lost."""
+    ready = threading.Event()
+    watch = link.watch_alive(hub, keys, lambda _process, _alive: ready.set())
+    assert ready.wait(GUARD_S)
+    watch.undeclare()  # type: ignore[no-untyped-call]
+
+
 def _publish(hub: zenoh.Session, keys: link.Keys, said: list[Sent], due: list[Sent]) -> None:
     """Say some messages, then have ``due`` written; the recorder ends with the last of all."""
     publishers = {topic: link.publisher(hub, keys.topic(topic)) for topic in TOPICS}
@@ -48,6 +56,7 @@ def test_all_is_published_while_the_recorder_stands_still_and_nothing_is_lost(
             log.write(sent)
 
         recording = Recording(session, keys, write)
+        _wait_until_ready(hub, keys)
         recorder = threading.Thread(target=recording.run, daemon=True)
         recorder.start()
         _publish(hub, keys, said[:1], said[:1])  # the writer now stands still
@@ -70,6 +79,7 @@ def test_what_never_came_is_counted_and_missing_from_the_log(tmp_path: Path) -> 
         RunLog(tmp_path / "a.mcap", EPOCH_NS, {}, {}) as log,
     ):
         recording = Recording(session, keys, log.write, 0.1)
+        _wait_until_ready(hub, keys)
         _publish(hub, keys, came, said)
         recording.run()
     assert recording.lost == [("world", NUMBER - 16), ("world", NUMBER - 9)]

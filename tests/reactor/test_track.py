@@ -149,16 +149,18 @@ def test_a_person_before_a_wall_that_is_known_is_seen() -> None:
 
 
 def test_one_person_is_not_taken_for_two() -> None:
-    rng = np.random.default_rng(4)
-    tracker = Tracker()
-    for k in range(14):
-        ahead = 8.0 - 0.25 * k * 1.385
-        ping = of_disc(10.0 + 0.25 * k, ahead, 0.1, rng)
-        if k == 5:  # far off, and one transducer hears nothing
-            ping.mean_m[0] -= 0.4
-            ping.mean_m[1] = np.nan
-        tracker = updated(tracker, ping)
-    assert sum(thing.approaching > 0.5 for thing in tracker.things) == 1
+    most = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        tracker = Tracker()
+        for k in range(14):
+            ping = of_disc(10.0 + 0.25 * k, 8.0 - 0.25 * k * 1.385, 0.1, rng)
+            if k == 5:  # one transducer is far out, another hears nothing
+                ping.mean_m[0] -= 0.35
+                ping.mean_m[1] = np.nan
+            tracker = updated(tracker, ping)
+        most = max(most, sum(thing.approaching > 0.5 for thing in tracker.things))
+    assert most == 1
 
 
 def test_an_echo_of_which_the_better_half_is_missing_asks_for_attention() -> None:
