@@ -100,6 +100,16 @@ class Ranges(Message, frozen=True):
     speed_m_s: float
 
 
+class Scan(Message, frozen=True):
+    """The same for a ping of a sensing action: what its detector hears."""
+
+    ping: int
+    action: int
+    mean_m: Floats
+    sigma_m: Floats
+    echo: FiniteFloats
+
+
 class PoseBelief(Message, frozen=True):
     """Where the robot is relative to where it began: Gaussian over x, y and heading."""
 

@@ -33,14 +33,15 @@ class Topic:
 
 
 _TABLE = (
-    Topic("percept/odometry", m.Odometry, WORLD, (SENSOR,), "every ping"),
+    Topic("percept/odometry", m.Odometry, WORLD, (SENSOR,), "every 5 pings, every on attention"),
     Topic("percept/sonar", m.Sonar, WORLD, (SENSOR,), "2 s driving, 0.25 s on attention"),
     Topic("percept/departure", m.Departure, WORLD, (GEOGRAPHER, CLASSIFIER, REACTOR), "4 min"),
     Topic("percept/arrival", m.Arrival, WORLD, (GEOGRAPHER, CLASSIFIER, DETECTORS), "4 min"),
     Topic("percept/blocked", m.Blocked, WORLD, (GEOGRAPHER,), "after a wrong turn"),
     Topic("percept/action", m.ActionEnded, WORLD, (DETECTORS,), "30-60 s at an LDP"),
-    Topic("belief/ranges", m.Ranges, SENSOR, (DETECTORS, REACTOR), "every ping"),
-    Topic("belief/pose", m.PoseBelief, SENSOR, (GEOGRAPHER,), "every 20 pings"),
+    Topic("belief/ranges", m.Ranges, SENSOR, (REACTOR,), "every ping while driving"),
+    Topic("belief/scan", m.Scan, SENSOR, (DETECTORS,), "every ping of a sensing action"),
+    Topic("belief/pose", m.PoseBelief, SENSOR, (GEOGRAPHER,), "every 25 pings"),
     Topic("reading/feature", m.Reading, DETECTORS, (CLASSIFIER, WORLD), "30-60 s at an LDP"),
     Topic("prior/junction", m.JunctionPrior, GEOGRAPHER, (CLASSIFIER,), "each corridor"),
     Topic("likelihood/junction", m.JunctionLikelihood, CLASSIFIER, (GEOGRAPHER,), "each reading"),

@@ -22,6 +22,9 @@ Steps: TypeAlias = Generator[simpy.Event, Any, None]
 QUICKEST_PING_NS = 240_000_000
 """The ring fires no more often: four transducers at once, 40 ms apart (assumption)."""
 
+ODOMETRY_EVERY = 5
+"""Pings for each report of the wheels while nothing is near."""
+
 
 class Senses:
     """Fires the ring and reports odometry, from wherever the body is."""
@@ -75,6 +78,7 @@ class Travel:
         self._kinematics = kinematics
         self._calm_ns = period_ns
         self._period_ns = period_ns
+        self._pings = 0
         self._drive: CorridorDrive | None = None
         self._changed = env.event()
 
@@ -128,7 +132,9 @@ class Travel:
     def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
         self._encounters.step_in(drive, way.corridor, now_ns)
         self._encounters.seen(drive, visit, now_ns)
-        self._senses.odometry()
+        if self._period_ns < self._calm_ns or self._pings % ODOMETRY_EVERY == 0:
+            self._senses.odometry()
+        self._pings += 1
         walker, person = drive.walker, drive.person
         if walker is None or person is None:
             self._senses.ping(0)

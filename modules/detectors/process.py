@@ -19,8 +19,8 @@ from bus.messages import (
     ActionEnded,
     Arrival,
     Motion,
-    Ranges,
     Reading,
+    Scan,
     SensingDecision,
 )
 from bus.turns import Handler, Turn
@@ -51,7 +51,7 @@ class Detectors:
         self.handlers: Mapping[str, Handler] = {
             "percept/arrival": self._arrived,
             "percept/action": self._ended,
-            "belief/ranges": self._heard,
+            "belief/scan": self._heard,
             "decision/sensing": self._decided,
         }
 
@@ -67,8 +67,8 @@ class Detectors:
         self._outcome, self._outcome_from = 0, (turn.heard,)
         self._go_on(turn)
 
-    def _heard(self, said: Ranges, turn: Turn) -> None:
-        if said.action == 0 or said.action != self._action:
+    def _heard(self, said: Scan, turn: Turn) -> None:
+        if said.action != self._action:
             turn.work("note", 1)
             return
         turn.work("scan", len(said.mean_m))

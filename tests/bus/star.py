@@ -21,7 +21,7 @@ from bus import link
 from bus.coordinator import Coordinator, Done, Grant, Handled
 from bus.costs import CostModel, Rate
 from bus.hub import Hub
-from bus.messages import Attention, Motion, Ranges, Sonar
+from bus.messages import Attention, Motion, Ranges, Scan, Sonar
 from bus.process import PAYLOAD_PATIENCE_S, ModuleProcess
 from bus.recording import Recording
 from bus.topics import DETECTORS, PRIORITY, REACTOR, RECORDER, SENSOR, TOPICS, WORLD
@@ -45,7 +45,9 @@ class Toy:
 def _ranges(sonar: Sonar, turn: Turn) -> None:
     turn.work("echo", len(sonar.ranges_m))
     sigma_m, echo = np.full(24, 0.1), np.ones(24)
-    turn.say(Ranges(sonar.ping, 0, sonar.fired_ns, sonar.ranges_m * 1.01, sigma_m, echo, 0.1))
+    mean_m = sonar.ranges_m * 1.01
+    turn.say(Ranges(sonar.ping, 0, sonar.fired_ns, mean_m, sigma_m, echo, 0.1))
+    turn.say(Scan(sonar.ping, 1, mean_m, sigma_m, echo))
 
 
 def _attention(ranges: Ranges, turn: Turn) -> None:
@@ -53,8 +55,8 @@ def _attention(ranges: Ranges, turn: Turn) -> None:
     turn.say(Attention(float(ranges.mean_m.sum())))
 
 
-def _motion(ranges: Ranges, turn: Turn) -> None:
-    turn.say(Motion(ranges.ping, 0, 1, 0, np.array([[0.0, ranges.mean_m[0]]])))
+def _motion(scan: Scan, turn: Turn) -> None:
+    turn.say(Motion(scan.ping, 0, 1, 0, np.array([[0.0, scan.mean_m[0]]])))
 
 
 def toys() -> dict[str, Toy]:
@@ -62,7 +64,7 @@ def toys() -> dict[str, Toy]:
     return {
         SENSOR: Toy({"percept/sonar": _ranges}),
         REACTOR: Toy({"belief/ranges": _attention}),
-        DETECTORS: Toy({"belief/ranges": _motion}),
+        DETECTORS: Toy({"belief/scan": _motion}),
     }
 
 

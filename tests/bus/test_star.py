@@ -218,7 +218,7 @@ def test_a_process_that_dies_is_noticed_and_the_others_go_on() -> None:
 
 def test_a_process_that_does_not_answer_is_frozen() -> None:
     modules = toys()
-    work = modules[DETECTORS].handlers["belief/ranges"]
+    work = modules[DETECTORS].handlers["belief/scan"]
     over = threading.Event()
 
     def freezes(ranges: Any, turn: Turn) -> None:
@@ -231,7 +231,7 @@ def test_a_process_that_does_not_answer_is_frozen() -> None:
                         break
         work(ranges, turn)
 
-    modules[DETECTORS].handlers = {"belief/ranges": freezes}
+    modules[DETECTORS].handlers = {"belief/scan": freezes}
 
     def thaw(_: Star, ping: int) -> None:
         if ping == 8:
