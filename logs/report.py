@@ -34,10 +34,15 @@ def render(analysis: Analysis, console: Console) -> None:
 
 
 def seconds(value: float | None) -> str:
-    """A time for a table: three digits after the point below 10 s, one above."""
+    """A time for a table: about four digits, in the unit that suits it."""
     if value is None:
         return "-"
-    return f"{value:.3f} s" if abs(value) < 10.0 else f"{value:,.1f} s"
+    size = abs(value)
+    if size >= 10.0:
+        return f"{value:,.1f} s"
+    if size >= 1.0 or size == 0.0:
+        return f"{value:.3f} s" if size else "0 s"
+    return f"{value * 1e3:.1f} ms" if size >= 1e-3 else f"{value * 1e6:.1f} µs"
 
 
 def title(analysis: Analysis) -> str:

@@ -122,7 +122,7 @@ def test_a_recovered_log_is_a_beginning_of_the_whole_one(
             return [(channel.topic, found.log_time, found.data) for _, channel, found in read]
 
     whole, beginning = said(aces_path), said(recovered_path)
-    assert 5_000 < len(beginning) < len(whole)
+    assert 3_000 < len(beginning) < len(whole)
     assert beginning == whole[: len(beginning)]
 
 
