@@ -307,6 +307,18 @@ class Span(Message, frozen=True):
     cells: int
 
 
+class WallSpan(Message, frozen=True):
+    """What one handler really took, beside what the compute profile says. Only in RUN.wall.mcap."""
+
+    process: str
+    topic: str
+    about_source: str
+    about_sequence: int
+    cells: int
+    modelled_ns: int
+    took_ns: int
+
+
 class ProcessState(Message, frozen=True):
     """What a process does from now on: ``running``, ``down`` or ``ended``."""
 

@@ -18,7 +18,7 @@ CommitEntry: TypeAlias = MessageId | Sent
 """What the recorder writes next: a message it has received, by name, or one sent along."""
 
 _GRANT = msgspec.msgpack.Decoder(tuple[int, tuple[tuple[str, int], ...]])
-_HANDLED: TypeAlias = tuple[str, str, int, int, int, int, int, str]
+_HANDLED: TypeAlias = tuple[str, str, int, int, int, int, int, str, int]
 _DONE = msgspec.msgpack.Decoder(
     tuple[str, int, tuple[_HANDLED, ...], tuple[tuple[str, int, int], ...]]
 )
@@ -48,7 +48,10 @@ def unpack_grant(process: str, data: bytes) -> Grant:
 def pack_done(done: Done) -> bytes:
     """What came of a grant."""
     handled = [
-        (h.topic, h.source, h.sequence, h.start_ns, h.end_ns, h.cells, h.said, h.printed)
+        (
+            *(h.topic, h.source, h.sequence, h.start_ns, h.end_ns),
+            *(h.cells, h.said, h.printed, h.took_ns),
+        )
         for h in done.handled
     ]
     said = [(s.topic, s.sequence, s.said_ns) for s in done.said]

@@ -58,6 +58,7 @@ _TABLE = (
     Topic("ledger", m.LedgerEntry, WORLD, (), "each decision"),
     Topic("clock/span", m.Span, CLOCK, (), "each handler"),
     # From a source of its own: a refusal must not change the numbers of anything else.
+    Topic("wall/span", m.WallSpan, CLOCK, (), "each handler, in RUN.wall.mcap alone"),
     Topic("health/state", m.ProcessState, CLOCK, (), "at the beginning, at the end"),
     Topic("output", m.Output, CLOCK, (), "whenever a handler prints"),
     Topic("health/refused", m.Refused, BUS, (), "never"),

@@ -7,6 +7,7 @@ released when the handler ends, at start + cost.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass, field
@@ -115,7 +116,9 @@ class Worker:
         out: list[Sent] = []
         for sent in heard:
             turn = Turn(at_ns, self._costs, sent.id)
+            began_ns = time.perf_counter_ns()
             printed = self._handle(sent, turn)
+            took_ns = time.perf_counter_ns() - began_ns
             end_ns = at_ns + turn.cost_ns
             handled.append(
                 Handled(
@@ -127,6 +130,7 @@ class Worker:
                     turn.cells,
                     len(turn.said),
                     printed,
+                    took_ns,
                 )
             )
             for message, parents in turn.said:

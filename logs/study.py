@@ -30,6 +30,7 @@ from logs.slack import Slack, slack_of
 from logs.spread import NS_PER_S
 from logs.traffic import Traffic, all_traffic, new_counts
 from logs.truth import Truth
+from logs.wall import CostCheck, cost_checks
 
 HOP = "hop_ns"
 """Metadata of a log: how long a message takes on the bus."""
@@ -54,7 +55,8 @@ class Study:
     """All that one log says.
 
     ``unknown_parents`` is how many of the messages that decisions were made from, at any remove,
-    were not found; a chain that goes through one is cut short there.
+    were not found; a chain that goes through one is cut short there. ``costs`` is empty where
+    the log has no wall stamps beside it.
     """
 
     analysis: Analysis
@@ -68,13 +70,15 @@ class Study:
     calibration: tuple[Calibration, ...]
     knowledge: tuple[Knowledge, ...]
     registration: Registration
+    costs: tuple[CostCheck, ...]
     ledger: tuple[m.LedgerEntry, ...]
 
 
 class _Listener:
     """Takes a log in, block by block."""
 
-    def __init__(self, epoch_ns: int, hop_ns: int, on_span: OnSpan | None) -> None:
+    def __init__(self, path: Path, epoch_ns: int, hop_ns: int, on_span: OnSpan | None) -> None:
+        self.path = path
         self.hop_ns = hop_ns
         self.epoch_ns = epoch_ns
         self.tally = Tally()
@@ -175,6 +179,7 @@ class _Listener:
             calibration=self.calibrations.all(),
             knowledge=knowledge,
             registration=registration(knowledge),
+            costs=cost_checks(self.path),
             ledger=tuple(self.tally.ledger),
         )
 
@@ -186,7 +191,7 @@ def study(path: str | Path, on_span: OnSpan | None = None) -> Study:
     that does not say how long a hop takes has all time before a handler counted as queueing.
     """
     with read_run(path) as reader:
-        listener = _Listener(reader.epoch_ns, _hop_ns(reader), on_span)
+        listener = _Listener(Path(path), reader.epoch_ns, _hop_ns(reader), on_span)
         for block in reader.blocks():
             try:
                 listener.hear(block)

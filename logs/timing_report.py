@@ -13,6 +13,10 @@ from logs.decisions import KINDS, Decisions, summarise
 from logs.report import LISTED, ledger_table, make_table, render, seconds, title
 from logs.spread import NS_PER_S, spread
 from logs.study import Study
+from logs.wall import CostCheck
+
+COSTS_LISTED = 10
+"""How many kinds of handlers are held against the cost model; --json has all."""
 
 
 def render_study(found: Study, console: Console) -> None:
@@ -22,6 +26,8 @@ def render_study(found: Study, console: Console) -> None:
     if late:
         console.print(_late_chains(late))
     console.print(_queues(found))
+    if found.costs:
+        console.print(_costs(found.costs))
     console.print(_ages(found.chains))
     if any(of.distributions for of in found.calibration):
         console.print(_calibration(found))
@@ -94,6 +100,27 @@ def _queues(found: Study) -> Table:
                 "" if k else f"{process.waited_at_all:,}",
                 "" if k else seconds(process.waited.max_s),
             )
+    return table
+
+
+def _costs(costs: tuple[CostCheck, ...]) -> Table:
+    """The most expensive kinds of handlers: what they took on the machine and in the model."""
+    columns = ("process", "handler", "handled", "measured", "modelled", "ratio", "with cells")
+    table = make_table(
+        "Does the cost model hold? (medians; ratio of totals; correlation of time with cells)",
+        *columns,
+        left=("process", "handler"),
+    )
+    for of in costs[:COSTS_LISTED]:
+        table.add_row(
+            escape(of.process),
+            escape(of.topic),
+            f"{of.handlers:,}",
+            seconds(of.measured_median_s),
+            seconds(of.modelled_median_s),
+            "-" if of.ratio is None else f"{of.ratio:.2f}",
+            "-" if of.correlation is None else f"{of.correlation:.2f}",
+        )
     return table
 
 

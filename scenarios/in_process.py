@@ -18,7 +18,7 @@ from scenarios.draw import Drawn
 from scenarios.faults import schedule_faults
 from scenarios.modules import build_module
 from scenarios.scenario import Scenario
-from simworld.clock import VirtualClock
+from simworld.clock import Measured, VirtualClock
 from simworld.voice import Outlet
 from simworld.world import World
 
@@ -97,11 +97,13 @@ def run_in_process(
     write: Callable[[Sent], None],
     build: Callable[..., Module] = build_module,
     stop: Callable[[], bool] = lambda: False,
+    measured: Measured = lambda _process, _handled: None,
 ) -> Ended:
     """Run a scenario from beginning to end; ``write`` gets the log, message by message.
 
     ``build`` makes the modules; a test or a tool may put its own in their place. ``stop`` is
-    asked before every round of grants whether the run shall end now.
+    asked before every round of grants whether the run shall end now; ``measured`` gets what
+    every handler took by the wall clock.
     """
     costs = cost_model(scenario.compute)
     workers = {
@@ -114,7 +116,7 @@ def run_in_process(
     }
     env = simpy.Environment(initial_time=0)
     carrier = _Carrier(workers, write, stop)
-    clock = VirtualClock(env, coordinator_of(scenario), carrier.carry_out, carrier.commit)
+    clock = VirtualClock(env, coordinator_of(scenario), carrier.carry_out, carrier.commit, measured)
     world = World(
         env,
         drawn.plan,

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from bus.link import endpoint
 from bus.topics import MODULES, RECORDER, WORLD
+from logs.wall import wall_path
 from scenarios.costs import cost_model
 from scenarios.draw import Drawn, draw
 from scenarios.in_process import run_in_process
@@ -22,6 +23,7 @@ from scenarios.order import Order, write_order
 from scenarios.run_record import Script
 from scenarios.scenario import ScenarioError, find, load
 from scenarios.supervisor import Progress, Supervisor
+from scenarios.wall_record import WallRecord
 
 RUNS = Path("logs/runs")
 
@@ -99,12 +101,17 @@ def launch_in_process(prepared: Prepared, log: Path) -> Launched:
     script = prepared.script
     with interruptible() as interrupts:
         try:
-            with script.open_log(log) as run_log:
+            with WallRecord(log, script) as wall, script.open_log(log) as run_log:
                 ended = run_in_process(
-                    script.scenario, prepared.drawn, run_log.write, stop=interrupts.any
+                    script.scenario,
+                    prepared.drawn,
+                    run_log.write,
+                    stop=interrupts.any,
+                    measured=wall.measured,
                 )
         except ModuleRefusedError:
             log.unlink()  # there was no run
+            wall_path(log).unlink(missing_ok=True)
             raise
     wall_s = time.monotonic() - began_s
     return Launched(ended.reason, log, None, ended.simulated_s, wall_s, 0.0, ended.handlers_run, {})
@@ -149,6 +156,7 @@ def launch_processes(prepared: Prepared, log: Path, show: Callable[[Progress], N
     finally:
         if not supervisor.progress.started and log.is_file():
             log.unlink()
+            wall_path(log).unlink(missing_ok=True)
         if not failed:
             _tidy(output, orders, words=refused)
     wall_s = time.monotonic() - began_s - ended.started_after_s

@@ -10,6 +10,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -26,6 +27,7 @@ from scenarios.faults import schedule_faults
 from scenarios.in_process import coordinator_of
 from scenarios.order import Order, read_order
 from scenarios.parent import end_with_parent
+from scenarios.wall_record import WallRecord
 from simworld.clock import VirtualClock
 from simworld.voice import Outlet
 from simworld.world import World
@@ -43,7 +45,7 @@ def report(**facts: Any) -> None:
 class Run:
     """One run over the bus."""
 
-    def __init__(self, order: Order, hub_session: Any) -> None:
+    def __init__(self, order: Order, hub_session: Any, wall: WallRecord) -> None:
         scenario = order.script.scenario
         self._env = simpy.Environment(initial_time=0)
         self._hub = Hub(
@@ -55,7 +57,9 @@ class Run:
             scenario.bus.patience_s,
         )
         coordinator = coordinator_of(scenario)
-        self._clock = VirtualClock(self._env, coordinator, self._carry_out, self._commit)
+        self._clock = VirtualClock(
+            self._env, coordinator, self._carry_out, self._commit, wall.measured
+        )
         drawn = draw(scenario, order.script.name)
         self._world = World(
             self._env,
@@ -137,8 +141,11 @@ def main(order_path: str) -> None:
     """Open the hub and run the world."""
     end_with_parent()
     order = read_order(order_path)
-    with link.open_hub(order.endpoint) as session:
-        run = Run(order, session)
+    with (
+        WallRecord(Path(order.log), order.script) as wall,
+        link.open_hub(order.endpoint) as session,
+    ):
+        run = Run(order, session, wall)
         signal.signal(signal.SIGTERM, run.stop)
         run.go()
 

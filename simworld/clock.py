@@ -23,13 +23,15 @@ from simworld.instants import GRANTS, call_at
 
 CarryOut: TypeAlias = Callable[[list[Grant]], list[Done]]
 Commit: TypeAlias = Callable[[list[CommitEntry]], None]
+Measured: TypeAlias = Callable[[str, Handled], None]
 
 
 class VirtualClock:
     """Drives a coordinator from a SimPy environment whose time is whole nanoseconds.
 
     ``carry_out`` runs grants and returns what came of them, in the order of the grants;
-    ``commit`` gets the log's entries in the one order that they have.
+    ``commit`` gets the log's entries in the one order that they have; ``measured`` gets every
+    handler's work with what it took by the wall clock, which no log that must repeat may hold.
     """
 
     def __init__(
@@ -38,11 +40,13 @@ class VirtualClock:
         coordinator: Coordinator,
         carry_out: CarryOut,
         commit: Commit,
+        measured: Measured = lambda _process, _handled: None,
     ) -> None:
         self._env = env
         self._coordinator = coordinator
         self._carry_out = carry_out
         self._commit = commit
+        self._measured = measured
         self._journal: Journal[CommitEntry] = Journal()
         self._voice = Voice(CLOCK)
         self._bus_voice = Voice(BUS)
@@ -129,6 +133,7 @@ class VirtualClock:
         for handled, all_said in done.by_handler():
             self.handlers_run += 1
             self._span(done.process, handled)
+            self._measured(done.process, handled)
             for said in all_said:
                 self._note(said, (said.source, said.sequence))
                 if said.topic.startswith("decision/"):

@@ -163,5 +163,7 @@ def run_path(make_log: MakeLog, run: list[Sent]) -> Path:
 def late_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The log of a real run in which some sensing decisions come too late."""
     log = tmp_path_factory.mktemp("late") / "late.mcap"
-    launch_in_process(prepare("aces", ["compute.profile=free", "compute.slower.sensing=45"], 1), log)
+    launch_in_process(
+        prepare("aces", ["compute.profile=free", "compute.slower.sensing=45"], 1), log
+    )
     return log
