@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
+from simworld.keeping import in_the_middle, off_the_walls
 from simworld.motion import (
     Drive,
     Ping,
@@ -82,6 +83,14 @@ class Body:
         else:
             self.pose = self.pose.after(0.0, really * step.angle_rad)
             self._turned_rad += step.angle_rad
+
+    def in_the_middle(self, on_line: Pose) -> Pose:
+        """A pose on a grid line, moved to the middle of the corridor there."""
+        return in_the_middle(self._surroundings, on_line)
+
+    def beside(self, middle: Pose, left_m: float) -> Pose:
+        """The pose so far left of the middle of a corridor, as far as its walls let the robot."""
+        return off_the_walls(self._surroundings, middle, left_m)
 
     def place(self, pose: Pose, driven_m: float, turned_rad: float) -> None:
         """Be somewhere, having driven and turned so much since."""

@@ -17,6 +17,7 @@ from simworld.people import (
     RobotInCorridor,
     Walker,
     advance,
+    along_m_s,
     collides,
     deadline_s,
     separation,
@@ -107,9 +108,9 @@ class CorridorDrive:
 
     def arrives_ns(self) -> int | None:
         """When the far port is reached if nothing changes; None while not driving ahead."""
-        if self._act not in ("continue", "slow"):
+        speed = along_m_s(self._act, self._body)
+        if speed <= 0.0:
             return None
-        speed = self._body.speed_m_s * (0.5 if self._act == "slow" else 1.0)
         begins_ns = max(self._now_ns, self._stands_until_ns)
         left_m = max(0.0, self.length_m - self.robot.s_m)
         return begins_ns + math.ceil(left_m / speed * 1e9)

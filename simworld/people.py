@@ -16,7 +16,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 Act: TypeAlias = Literal[
-    "continue", "slow", "stop", "pull aside left", "pull aside right", "back up"
+    "continue",
+    "slow",
+    "stop",
+    "pull aside left",
+    "pull aside right",
+    "pass left",
+    "pass right",
+    "back up",
 ]
 """What a robot can do about something in its way; the words of ``decision/reaction``."""
 
@@ -26,8 +33,19 @@ ACTS: tuple[Act, ...] = (
     "stop",
     "pull aside left",
     "pull aside right",
+    "pass left",
+    "pass right",
     "back up",
 )
+
+_SHARE_OF_SPEED: dict[Act, float] = {
+    "continue": 1.0,
+    "slow": 0.5,
+    "pass left": 0.5,
+    "pass right": 0.5,
+    "back up": -1.0,
+}
+"""How fast the acts drive ahead; the others stand."""
 
 WALKED_PAST_M = 2.0
 """A person this far behind the robot has left."""
@@ -174,6 +192,11 @@ def _towards(value: float, target: float, step: float) -> float:
     return value + max(-step, min(step, target - value))
 
 
+def along_m_s(act: Act, body: Body) -> float:
+    """Speed along the corridor while doing an act; negative backwards."""
+    return _SHARE_OF_SPEED.get(act, 0.0) * body.speed_m_s
+
+
 def advance(
     robot: RobotInCorridor, act: Act, dt_s: float, body: Body | None = None
 ) -> RobotInCorridor:
@@ -181,10 +204,11 @@ def advance(
 
     ``continue`` and ``slow`` drive, at full and half speed, and return to the centre line;
     ``stop`` stands; ``pull aside`` moves sideways to ``body.aside_m`` and stands there;
-    ``back up`` reverses. Raises EncounterError for any other act.
+    ``pass`` does so at half speed and drives on there; ``back up`` reverses. Raises
+    EncounterError for any other act.
     """
     body = body or Body(radius_m=robot.radius_m)
-    along = {"continue": 1.0, "slow": 0.5, "back up": -1.0}.get(act, 0.0) * body.speed_m_s
+    along = along_m_s(act, body)
     sides = {
         "continue": 0.0,
         "slow": 0.0,
@@ -192,6 +216,8 @@ def advance(
         "back up": robot.y_m,
         "pull aside left": body.aside_m,
         "pull aside right": -body.aside_m,
+        "pass left": body.aside_m,
+        "pass right": -body.aside_m,
     }
     if act not in sides:
         raise EncounterError(f"no such act: {act!r}; expected one of {', '.join(ACTS)}")
@@ -239,7 +265,7 @@ def time_to_collision_s(person: Person, walker: Walker, robot: RobotInCorridor) 
 def braking_s(act: Act, body: Body | None = None) -> float:
     """Seconds that an act takes to have its effect, for a robot on the centre line."""
     body = body or Body()
-    return body.aside_m / body.lateral_m_s if act.startswith("pull aside") else 0.0
+    return body.aside_m / body.lateral_m_s if act.startswith(("pull aside", "pass")) else 0.0
 
 
 def deadline_s(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -60,7 +60,11 @@ class Way:
 
 
 class Travel:
-    """The robot's drives. ``period_ns`` is how often the ring fires while nothing is near."""
+    """The robot's drives. ``period_ns`` is how often the ring fires while nothing is near.
+
+    ``stuck`` is called when a drive has come no further for ``patience_ns``: what the robot
+    does about something in its way does not get it past.
+    """
 
     def __init__(
         self,
@@ -70,8 +74,12 @@ class Travel:
         encounters: Encounters,
         kinematics: CorridorBody,
         period_ns: int,
+        patience_ns: int,
+        stuck: Callable[[], None],
     ) -> None:
         self._env = env
+        self._patience_ns = patience_ns
+        self._stuck = stuck
         self._body = body
         self._senses = senses
         self._encounters = encounters
@@ -102,13 +110,20 @@ class Travel:
         """Drive a corridor from port to port."""
         drive = CorridorDrive(int(self._env.now), way.length_m, self._kinematics)
         self._drive = drive
-        pinged_ns = int(self._env.now)
+        pinged_ns = came_ns = int(self._env.now)
+        farthest_m = 0.0
         while drive.robot.s_m < drive.length_m - 1e-9:
             now_ns = int(self._env.now)
-            yield from self._pause(drive, now_ns, pinged_ns + self._period_ns)
+            due_ns = min(pinged_ns + self._period_ns, came_ns + self._patience_ns)
+            yield from self._pause(drive, now_ns, due_ns)
             now_ns = int(self._env.now)
             self._move(drive, way, now_ns)
             self._encounters.over(drive)
+            if drive.robot.s_m > farthest_m:
+                farthest_m, came_ns = drive.robot.s_m, now_ns
+            elif now_ns - came_ns >= self._patience_ns:
+                self._stuck()
+                yield self._env.event()  # nothing comes after
             if now_ns >= pinged_ns + self._period_ns:
                 pinged_ns = now_ns
                 self._ping(drive, way, visit, now_ns)
@@ -116,17 +131,18 @@ class Travel:
         self._encounters.over(drive)
         self._drive = None
 
-    def _pause(self, drive: CorridorDrive, now_ns: int, ping_ns: int) -> Steps:
-        """Until the next ping, the arrival, or a change of mind."""
+    def _pause(self, drive: CorridorDrive, now_ns: int, due_ns: int) -> Steps:
+        """Until something is due, the arrival, or a change of mind."""
         arrives_ns = drive.arrives_ns()
-        until_ns = ping_ns if arrives_ns is None else min(ping_ns, arrives_ns)
+        until_ns = due_ns if arrives_ns is None else min(due_ns, arrives_ns)
         self._changed = self._env.event()
         yield self._env.timeout(max(0, until_ns - now_ns)) | self._changed
 
     def _move(self, drive: CorridorDrive, way: Way, now_ns: int) -> None:
         before_m = drive.robot.s_m
         drive.advance_to(now_ns)
-        here = way.begins.after(drive.robot.s_m).beside(drive.robot.y_m)
+        middle = self._body.in_the_middle(way.begins.after(drive.robot.s_m))
+        here = self._body.beside(middle, drive.robot.y_m)
         self._body.place(here, abs(drive.robot.s_m - before_m), 0.0)
 
     def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
@@ -139,5 +155,5 @@ class Travel:
         if walker is None or person is None:
             self._senses.ping(0)
             return
-        at = way.begins.after(walker.s_m).beside(walker.y_m)
+        at = self._body.in_the_middle(way.begins.after(walker.s_m)).beside(walker.y_m)
         self._senses.ping(0, ((at.x_m, at.y_m, person.radius_m),))

@@ -101,6 +101,8 @@ class World:
             self.encounters,
             CorridorBody(speed_m_s=settings.speed_m_s),
             round(settings.ping_period_s * 1e9),
+            round(settings.patience_s * 1e9),
+            lambda: self.end("stuck"),
         )
         self.errands = ErrandQueue(plan.errands, plan.start)
         self.robot = Robot(

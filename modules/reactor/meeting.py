@@ -11,10 +11,27 @@ from typing import NamedTuple
 
 from numba import njit
 
-ACTS = ("continue", "slow", "stop", "pull aside left", "pull aside right", "back up")
+ACTS = (
+    "continue",
+    "slow",
+    "stop",
+    "pull aside left",
+    "pull aside right",
+    "pass left",
+    "pass right",
+    "back up",
+)
 """The words of ``decision/reaction``."""
 
-CONTINUE, LEFT, RIGHT = map(ACTS.index, ("continue", "pull aside left", "pull aside right"))
+CONTINUE = ACTS.index("continue")
+LEFT = tuple(k for k, act in enumerate(ACTS) if act.endswith("left"))
+RIGHT = tuple(k for k, act in enumerate(ACTS) if act.endswith("right"))
+
+_SHARE_OF_SPEED = {"continue": 1.0, "slow": 0.5, "pass left": 0.5, "pass right": 0.5, "back up": -1}
+"""How fast the acts drive ahead; the others stand."""
+
+BEHIND_M = 0.6
+"""A thing that stands is passed when it is so far behind: two radii and a little."""
 
 GRAZE_M = 1e-9
 """Who comes exactly as near as the radii does not touch, whatever the rounding."""
@@ -35,7 +52,7 @@ class Body(NamedTuple):
 
     def along_m_s(self, act: str) -> float:
         """Speed along the corridor while doing an act."""
-        return {"continue": 1.0, "slow": 0.5, "back up": -1.0}.get(act, 0.0) * self.speed_m_s
+        return _SHARE_OF_SPEED.get(act, 0.0) * self.speed_m_s
 
     def goes_to_m(self, act: str, lateral_m: float) -> float:
         """Where across the corridor an act ends: 0 is the centre line, left is positive."""
@@ -44,6 +61,8 @@ class Body(NamedTuple):
             "slow": 0.0,
             "pull aside left": self.aside_m,
             "pull aside right": -self.aside_m,
+            "pass left": self.aside_m,
+            "pass right": -self.aside_m,
         }
         return sides.get(act, lateral_m)
 
@@ -125,18 +144,19 @@ def touches_walker(
 
 @njit(cache=True)
 def touches_standing(
-    motion: Motion, ahead_m: float, line_m: float, until_s: float, body: Body, walking: Walking
+    motion: Motion, ahead_m: float, line_m: float, body: Body, walking: Walking
 ) -> bool:
-    """Whether a robot touches a thing that stands, within ``until_s``.
+    """Whether a robot touches a thing that stands before it has passed it, or ever if it waits.
 
-    A thing that stands can be thought about again at the next ping, so only what happens until
-    then is charged to the act. How big a thing is that was left in a corridor is not known: as
-    big as a person, say.
+    How big a thing is that was left in a corridor is not known: as big as a person, say.
     """
     reach = body.radius_m + walking.radius_m - GRAZE_M
-    arrives = min(abs(motion.goal_m - motion.from_m) / motion.lateral_m_s, until_s)
+    arrives = abs(motion.goal_m - motion.from_m) / motion.lateral_m_s
+    passed = arrives
+    if motion.along_m_s > 0.0:
+        passed = max(arrives, (ahead_m + BEHIND_M) / motion.along_m_s)
     ahead, across = ahead_m, line_m - motion.from_m
-    for at in (arrives, until_s):
+    for at in (arrives, passed):
         mine = _towards(motion.from_m, motion.goal_m, motion.lateral_m_s * at)
         then, beside_m = ahead_m - motion.along_m_s * at, line_m - mine
         if _comes_within(reach, ahead, across, then, beside_m):

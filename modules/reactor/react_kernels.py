@@ -7,7 +7,15 @@ from numba import njit
 
 from modules.reactor.cone import Floats
 from modules.reactor.meeting import ACTS
-from modules.reactor.tables import FALSE_ECHO, STANDS, TTC_CLASSES, TTC_EDGES_S, WALKS, WHAT
+from modules.reactor.tables import (
+    FALSE_ECHO,
+    STANDS,
+    STANDS_EDGES_M,
+    TTC_CLASSES,
+    TTC_EDGES_S,
+    WALKS,
+    WHAT,
+)
 from modules.reactor.thing import DISTANCE, LINES_M, SPEEDS_M_S, WEIGHT
 
 
@@ -15,7 +23,7 @@ from modules.reactor.thing import DISTANCE, LINES_M, SPEEDS_M_S, WEIGHT
 def in_classes(
     belief: Floats, false: float, reach_m: float, speed_m_s: float, soon_s: float
 ) -> tuple[Floats, float]:
-    """The belief about a thing by what it is, class of time to collision, and line; P(soon).
+    """The belief about a thing by what it is, class of time or place, and line; P(soon).
 
     ``reach_m`` is the distance at which it touches, ``speed_m_s`` how fast the robot drives;
     soon is within ``soon_s``.
@@ -29,17 +37,19 @@ def in_classes(
         for line in range(len(LINES_M)):
             weight = belief[WEIGHT, row, line]
             if weight > 0.0:
-                seconds = (belief[DISTANCE, row, line] - reach_m) / closing
-                what[kind, _ttc_class(seconds), line] += weight
+                ahead = belief[DISTANCE, row, line]
+                seconds = (ahead - reach_m) / closing
+                at = _class(ahead, STANDS_EDGES_M) if row == 0 else _class(seconds, TTC_EDGES_S)
+                what[kind, at, line] += weight
                 soon += weight if seconds < soon_s else 0.0
     return what, soon
 
 
 @njit(cache=True)
-def _ttc_class(seconds: float) -> int:
-    """The class of a time to collision."""
+def _class(value: float, edges: Floats) -> int:
+    """The class of a time to collision (s) or of how far ahead something stands (m)."""
     k = 0
-    while k < TTC_CLASSES - 1 and seconds >= TTC_EDGES_S[k + 1]:
+    while k < TTC_CLASSES - 1 and value >= edges[k + 1]:
         k += 1
     return k
 

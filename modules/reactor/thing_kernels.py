@@ -12,6 +12,7 @@ import math
 from numba import njit
 
 from modules.reactor.cone import Floats, heard_in_cone
+from modules.reactor.meeting import BEHIND_M
 from modules.reactor.thing import (
     DISTANCE,
     FARTHEST_M,
@@ -26,6 +27,10 @@ from modules.reactor.thing import (
 
 DEAD = 1e-9
 """Weight of a row below which it is taken for impossible."""
+
+GRAZING = 0.35
+"""How uncertain the range of a cone that only grazes a thing is, as a share of what that range
+is above the nearest point's: a line is some centimetres wide, and there the range is steep."""
 
 
 @njit(cache=True)
@@ -69,8 +74,10 @@ def move(belief: Floats, driven_m: float, elapsed_s: float, model: EchoModel) ->
         for line in range(len(LINES_M)):
             distance = belief[DISTANCE, row, line] - driven_m - SPEEDS_M_S[row] * elapsed_s
             weight = kept * belief[WEIGHT, row, line] + mixed * LINE_PRIOR[line]
-            # Who has walked past is nowhere ahead any more.
-            weight = 0.0 if distance < -RADIUS_M else weight * stays
+            # Who has walked past is nowhere ahead any more; what stands is in the way of a robot
+            # that returns to the centre line until it is clear of it.
+            gone = distance < (-RADIUS_M if walks else -BEHIND_M)
+            weight = 0.0 if gone else weight * stays
             belief[WEIGHT, row, line] = weight
             belief[DISTANCE, row, line] = distance
             belief[VARIANCE, row, line] += step * step
@@ -105,7 +112,8 @@ def listen(
                 all_weight += weight * other
                 continue
             spread = belief[VARIANCE, row, line]
-            variance = slope * slope * spread + sigma_m * sigma_m
+            grazes = GRAZING * (range_m + RADIUS_M - math.sqrt(ahead * ahead + left * left))
+            variance = slope * slope * spread + sigma_m * sigma_m + grazes * grazes
             off = echo_m - range_m
             density = math.exp(-0.5 * off * off / variance) / math.sqrt(2.0 * math.pi * variance)
             own = model.heard * density

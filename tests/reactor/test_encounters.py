@@ -191,15 +191,19 @@ def test_after_the_person_has_passed_the_robot_drives_on_along_the_centre() -> N
         assert after.robot.speed_m_s > 0
 
 
-@pytest.mark.parametrize("offset_m", [0.0, 0.2, -0.4])
-def test_a_thing_left_in_the_way_is_stopped_for_not_hit(offset_m: float) -> None:
+@pytest.mark.parametrize("offset_m", [-0.4, -0.25, -0.2, 0.0, 0.2, 0.25, 0.4])
+def test_a_thing_left_in_the_way_is_passed_on_the_side_it_leaves_free(offset_m: float) -> None:
     box = Person(0.0, 11.0, 0.0, offset_m)
-    for seed in range(10):
-        # From 9.5 m it is 1.5 - 0.5 = 1 m: 12 s at 0.085 m/s.
-        after = meet(box, seed, start_m=9.5, lasts_s=40.0)
+    free = {"pass left", "pass right"} if offset_m == 0.0 else {"pass left"}
+    free = {"pass right"} if offset_m > 0.0 else free
+    for seed in range(8):
+        # Half a metre at 0.085 m/s, then 1.5 m and 0.6 m at half of it.
+        after = meet(box, seed, start_m=9.0, lasts_s=90.0)
         assert not after.touched
-        assert after.acts[-1][1] in ("stop", "slow")
-        assert after.robot.s_m > 9.8  # not stopped for from afar
+        assert after.acts[0][1] in free
+        assert {act for _, act in after.acts} == {after.acts[0][1], "continue"}
+        assert after.acts[-1][1] == "continue" and len(after.acts) <= 4
+        assert after.robot.s_m > 11.6 and after.robot.y_m == pytest.approx(0.0, abs=1e-9)
 
 
 def test_driving_a_plain_corridor_alarms_nobody() -> None:

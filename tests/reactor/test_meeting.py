@@ -9,6 +9,7 @@ import pytest
 
 from modules.reactor.meeting import (
     ACTS,
+    BEHIND_M,
     Body,
     Walking,
     least_separation_m,
@@ -70,17 +71,35 @@ def test_encounters_end_as_in_the_stepped_world() -> None:
     assert 20 < touched < compared - 20
 
 
-def test_a_thing_that_stands_is_charged_only_until_it_is_thought_of_again() -> None:
-    # Gap 0.3 m at 0.085 m/s: touched after 3.5 s; at half speed after 7.1 s.
-    def hit(act: str, until_s: float) -> bool:
-        motion = BODY.motion(act, 0.0)
-        return bool(touches_standing(motion, REACH + 0.3, 0.0, until_s, BODY, WALKING))
+def hits(act: str, ahead_m: float, line_m: float, mine_m: float = 0.0) -> bool:
+    """Whether an act ends at a thing that stands."""
+    return bool(touches_standing(BODY.motion(act, mine_m), ahead_m, line_m, BODY, WALKING))
 
-    assert hit("continue", 4.0)
-    assert not hit("continue", 3.4)
-    assert not hit("slow", 4.0)
-    assert not hit("stop", 100.0)
-    assert not hit("back up", 100.0)
+
+def test_a_thing_that_stands_is_in_the_way_until_it_is_passed() -> None:
+    for line in (-0.49, 0.0, 0.49):
+        assert hits("continue", 1.5, line) and hits("slow", 1.5, line)
+        assert not any(hits(act, 1.5, line) for act in ("stop", "back up", "pull aside left"))
+    assert not hits("continue", 1.5, 0.51)
+    # It is passed on the side that it leaves free: 0.65 - 0.5 = 0.15.
+    assert not hits("pass left", 1.5, 0.15) and not hits("pass right", 1.5, -0.15)
+    assert hits("pass left", 1.5, 0.16) and hits("pass right", 1.5, -0.16)
+    # Abreast of it the robot that is aside stays so; behind it returns.
+    assert hits("continue", 0.1, 0.0, -0.65) and not hits("pass right", 0.1, 0.0, -0.65)
+    assert not hits("continue", -BEHIND_M, 0.0, -0.65)
+
+
+def test_passing_a_thing_ends_as_in_the_stepped_world() -> None:
+    rng = np.random.default_rng(3)
+    told = 0
+    for k in range(24):
+        act = people.ACTS[k % len(ACTS)]
+        line, mine = float(rng.uniform(-0.75, 0.75)), float(rng.choice([-0.65, 0.0, 0.65]))
+        least = stepped_separation(act, people.Person(0.0, 1.2, 0.0, line), mine, 60.0)
+        if abs(least - REACH) > 0.03:
+            assert hits(act, 1.2, line, mine) == (least < REACH), (act, line, mine, least)
+            told += 1
+    assert told > 16
 
 
 def test_who_walks_near_the_centre_line_is_missed_on_whichever_side() -> None:

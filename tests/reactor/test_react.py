@@ -18,6 +18,7 @@ from modules.reactor.meeting import ACTS, CONTINUE
 from modules.reactor.react import Encounter, encounter, outlook, utilities
 from modules.reactor.tables import (
     SIDES_M,
+    STANDS_EDGES_M,
     TTC_CLASSES,
     TTC_EDGES_S,
     WHAT,
@@ -63,6 +64,10 @@ def best(met: Encounter, doing: str = "continue") -> str:
 
 def ttc_class(seconds: float) -> int:
     return int(np.searchsorted(TTC_EDGES_S, seconds, side="right")) - 1
+
+
+def place_class(ahead_m: float) -> int:
+    return int(np.searchsorted(STANDS_EDGES_M, ahead_m, side="right")) - 1
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -118,8 +123,9 @@ def test_acts_that_anybody_would_choose() -> None:
     assert best(belief(2, soon, line_at(0.35))) == "pull aside right"
     assert best(belief(2, soon, line_at(-0.35))) == "pull aside left"
     assert best(belief(2, soon, line_at(0.65))) == "continue"
-    assert best(belief(1, ttc_class(1.6), line_at(0.0))) == "stop"
-    assert best(belief(1, ttc_class(12.0), line_at(0.0))) == "continue"
+    assert best(belief(1, place_class(1.1), line_at(0.22))) == "pass right"
+    assert best(belief(1, place_class(1.1), line_at(-0.22))) == "pass left"
+    assert best(belief(1, place_class(1.1), line_at(0.65))) == "continue"
     assert best(belief(0, soon, line_at(0.0))) == "continue"
 
 
@@ -127,6 +133,20 @@ def test_a_robot_that_is_aside_already_stays() -> None:
     left = int(np.abs(SIDES_M - 0.65).argmin())
     met = belief(2, ttc_class(1.1), line_at(-0.22), left)
     assert best(met, "pull aside left") == "pull aside left"
+
+
+def test_a_robot_that_passes_stays_aside_until_the_thing_is_behind() -> None:
+    right = 0  # SIDES_M[0] = -0.65
+    for ahead_m in (0.7, 0.1, -0.1):
+        met = belief(1, place_class(ahead_m), line_at(0.0), right)
+        assert best(met, "pass right") == "pass right"
+    assert best(belief(1, place_class(-0.58), line_at(0.0), right), "pass right") == "continue"
+
+
+def test_where_neither_side_is_free_it_stops() -> None:
+    wide = [belief(1, place_class(0.9), line_at(left_m)) for left_m in (-0.45, 0.0, 0.45)]
+    together = utilities([outlook(met, DIAGRAM) for met in wide], CONTINUE, DIAGRAM)
+    assert ACTS[int(together.argmax())] == "stop"
 
 
 def test_it_does_not_change_its_mind_for_a_trifle() -> None:
@@ -209,7 +229,7 @@ def test_left_and_right_are_alike_to_the_last_bit() -> None:
     table = collision_table(SETTINGS)
     assert (
         table[0].tobytes()
-        == np.ascontiguousarray(table[-1][[0, 1, 2, 4, 3, 5]][..., ::-1]).tobytes()
+        == np.ascontiguousarray(table[-1][[0, 1, 2, 4, 3, 6, 5, 7]][..., ::-1]).tobytes()
     )
 
 

@@ -9,11 +9,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bus.messages import AskedReaction, LedgerEntry, ReactionDecision, TrueEncounter
+from bus.messages import (
+    AskedReaction,
+    LedgerEntry,
+    Message,
+    Ranges,
+    ReactionDecision,
+    RunEnded,
+    TrueEncounter,
+    TrueErrand,
+)
+from bus.topics import REACTOR, heard_by
+from bus.turns import Module, Turn
 from bus.wire import Sent
 from scenarios.draw import draw
 from scenarios.in_process import run_in_process
-from scenarios.scenario import check
+from scenarios.modules import build_module
+from scenarios.scenario import Scenario, check
+from simworld.people import ACTS
+from tests.scenarios.runs import everything_said, of_kind
 
 LASTS_S = 26.0
 """From one person to the next: the slowest needs 12 m / 0.8 m/s = 15 s, and 3 s of quiet."""
@@ -109,6 +123,65 @@ def test_a_late_decision_about_one_person_does_not_count_for_the_next() -> None:
     first, second = meetings(1, 2, slow)
     assert first.entry.cause == second.entry.cause == "overrun"
     assert second.said != ()
+
+
+def standing(offset_m: float, **world: Any) -> Scenario:
+    """Something stands in a short corridor through which an errand leads."""
+    person = {"enters": {"at_s": 3, "ahead_m": 3.0}, "walks_m_s": 0.0, "offset_m": offset_m}
+    start = {"junction": [1, 0], "heading": "E", "ahead_m": 8.0}
+    lines = {"columns_m": [0.0, 12.0], "rows_m": [0.0], "until_s": 5000.0}
+    table = {
+        "about": "Something was left in the corridor",
+        "world": {**lines, "start": start, "person": [person], **world},
+        "errand": [{"from": [1, 0], "to": [0, 0]}],
+        "compute": {"profile": "host"},
+    }
+    return check(table, "a thing")
+
+
+def end_of(said: tuple[Sent, ...]) -> tuple[str, int]:
+    """Why a run ended, and when (ns)."""
+    (end,) = [one for one in said if isinstance(one.message, RunEnded)]
+    assert isinstance(end.message, RunEnded)
+    return end.message.reason, end.said_ns
+
+
+@pytest.mark.parametrize("offset_m", [-0.4, -0.2, 0.0, 0.2, 0.4])
+def test_what_stands_is_passed_and_the_errand_done(offset_m: float) -> None:
+    said = everything_said(standing(offset_m))
+    assert end_of(said)[0] == "done"
+    assert len(of_kind(said, TrueErrand)) == 1
+    (met,) = of_kind(said, TrueEncounter)
+    assert not met.collided and met.closest_m > 0.5
+    acts = [one.act for one in of_kind(said, ReactionDecision)]
+    assert acts[0].startswith("pass") and acts[-1] == "continue" and len(acts) <= 4
+
+
+class Halts:
+    """A reactor that stops the robot at the first ping, for ever."""
+
+    def __init__(self) -> None:
+        self.handlers = {topic.name: self._hear for topic in heard_by(REACTOR)}
+        self._said = False
+
+    def _hear(self, said: Message, turn: Turn) -> None:
+        turn.work("note", 1)
+        if isinstance(said, Ranges) and not self._said:
+            self._said = True
+            turn.say(ReactionDecision("stop", np.zeros(len(ACTS)), 0.0, said.fired_ns))
+
+
+def halting(name: str, *arguments: Any) -> Module:
+    """What builds a run's modules, with a reactor that stops."""
+    return Halts() if name == REACTOR else build_module(name, *arguments)
+
+
+def test_a_robot_that_is_kept_standing_ends_the_run_when_its_patience_does() -> None:
+    said = everything_said(standing(0.0, patience_s=100.0), halting)
+    stopped = next(one.said_ns for one in said if one.topic == "decision/reaction")
+    reason, ended = end_of(said)
+    assert reason == "stuck"
+    assert 100.0 <= (ended - stopped) / 1e9 <= 100.1
 
 
 def test_the_same_seed_meets_alike() -> None:

@@ -53,9 +53,10 @@ def test_the_past_stays_as_it_is() -> None:
     assert going.robot.s_m == at_m
 
 
-def test_slow_takes_twice_the_time_that_is_left() -> None:
+@pytest.mark.parametrize("act", ["slow", "pass left", "pass right"])
+def test_half_speed_takes_twice_the_time_that_is_left(act: Act) -> None:
     going = drive(8.5)  # 100 s
-    going.act("slow", 40 * 10**9)
+    going.act(act, 40 * 10**9)
     assert going.arrives_ns() == pytest.approx((40 + 120) * 10**9, abs=10)
     going.act("continue", 60 * 10**9)  # half of 20 s driven meanwhile
     assert going.arrives_ns() == pytest.approx((60 + 50) * 10**9, abs=10)

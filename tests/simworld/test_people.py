@@ -100,6 +100,8 @@ def test_what_each_act_does_in_one_second() -> None:
         "stop": (0.0, 0.2),
         "pull aside left": (0.0, 0.5),
         "pull aside right": (0.0, -0.1),
+        "pass left": (0.0425, 0.5),
+        "pass right": (0.0425, -0.1),
         "back up": (-0.085, 0.2),
     }
 
@@ -116,6 +118,7 @@ def test_two_steps_are_one_long_step(act: Act, y_m: float, first: float, second:
 def test_pulling_aside_takes_time_and_sets_the_deadline() -> None:
     # 0.65 m at 0.3 m/s.
     assert braking_s("pull aside left") == pytest.approx(2.1667, abs=1e-4)
+    assert braking_s("pass right") == braking_s("pull aside left")
     assert braking_s("continue") == braking_s("stop") == 0.0
     person, walker = Person(0.0, 8.0, 1.3), Walker(8.0, 0.0, -1.3)
     due = deadline_s(person, walker, ROBOT, 10.0)
