@@ -109,7 +109,7 @@ def freeze(pid: int) -> None:
     os.kill(pid, signal.SIGSTOP)
 
 
-def test_a_run_starts_everything_and_leaves_nothing_but_its_log(tmp_path: Path) -> None:
+def test_a_run_starts_everything_and_leaves_nothing_but_its_logs(tmp_path: Path) -> None:
     arguments, log, output = command(tmp_path, SHORT)
     seen: dict[str, dict[str, str]] = {}
 
@@ -125,7 +125,8 @@ def test_a_run_starts_everything_and_leaves_nothing_but_its_log(tmp_path: Path) 
     assert sorted(seen["states"].items()) == [(name, "ended") for name in EVERYONE]
     assert (result.reason, result.failed, result.output) == ("done", {}, None)
     assert ends_in(log) == ["done"]
-    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["case.toml", "run.mcap"]
+    left = sorted(entry.name for entry in tmp_path.iterdir())
+    assert left == ["case.toml", "run.mcap", "run.wall.mcap"]
 
 
 def test_the_command_ends_with_0_and_says_lines_where_there_is_no_terminal(tmp_path: Path) -> None:
@@ -250,10 +251,12 @@ def test_a_process_that_dies_before_the_run_ends_it(tmp_path: Path) -> None:
     killed: list[int] = []
 
     def watch(progress: Progress) -> None:
-        if not killed:
+        # A process has no command line yet for a moment after it has begun.
+        decider = processes_of(output).get("decider")
+        if not killed and decider is not None:
             assert not progress.started
-            killed.append(processes_of(output)["decider"])
-            kill(killed[0])
+            killed.append(decider)
+            kill(decider)
 
     prepared = prepare(arguments[1], [], None)
     with claimed_log(prepared, str(log)) as path:
