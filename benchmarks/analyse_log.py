@@ -74,7 +74,7 @@ class Day:
         self.now_ns += HOP_NS
         yield from (self.handled(moved, "sensor", 9), self.handled(sonar, "sensor", 24))
         sigma_m, echo = np.full(24, 0.02), np.full(24, 0.97)
-        believed = m.Ranges(number, 0, self.now_ns, ranges_m, sigma_m, echo, 0.085)
+        believed = m.Ranges(number, self.now_ns, ranges_m, sigma_m, echo, 0.085)
         ranges = self.say(believed, "sensor", sonar.id, moved.id)
         yield ranges
         self.now_ns += HOP_NS

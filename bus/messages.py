@@ -85,14 +85,13 @@ class ActionEnded(Message, frozen=True):
 
 
 class Ranges(Message, frozen=True):
-    """Distribution of the range to the nearest surface, one Gaussian a transducer.
+    """Distribution of the range to the nearest surface while driving, one Gaussian a transducer.
 
     ``echo`` is the probability that the echo is a real one; where none came back, the mean is
     NaN and ``echo`` is 0. ``fired_ns`` is when the ring was fired.
     """
 
     ping: int
-    action: int
     fired_ns: int
     mean_m: Floats
     sigma_m: Floats

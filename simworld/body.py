@@ -79,7 +79,7 @@ class Body:
         really = 1.0 + SLIP_SHARE * float(self._rng.standard_normal())
         if isinstance(step, Drive):
             self.pose = self.pose.after(really * step.distance_m)
-            self._distance_m += abs(step.distance_m)
+            self._distance_m += step.distance_m
         else:
             self.pose = self.pose.after(0.0, really * step.angle_rad)
             self._turned_rad += step.angle_rad

@@ -143,7 +143,7 @@ class Travel:
         drive.advance_to(now_ns)
         middle = self._body.in_the_middle(way.begins.after(drive.robot.s_m))
         here = self._body.beside(middle, drive.robot.y_m)
-        self._body.place(here, abs(drive.robot.s_m - before_m), 0.0)
+        self._body.place(here, drive.robot.s_m - before_m, 0.0)
 
     def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
         self._encounters.step_in(drive, way.corridor, now_ns)

@@ -50,9 +50,6 @@ class Reactor:
         self._attend(turn, False)
 
     def _heard(self, said: Ranges, turn: Turn) -> None:
-        if said.action != 0:
-            turn.work("note", 1)
-            return
         time_s = said.fired_ns / 1e9
         self._lateral_m = self._moved_aside_m(time_s)
         scan = Scan(time_s, said.mean_m, said.sigma_m, said.speed_m_s, self._lateral_m)

@@ -56,7 +56,6 @@ class Sensor:
         belief = range_belief(said.ranges_m, *self._expected(said))
         ranges = Ranges(
             said.ping,
-            said.action,
             said.fired_ns,
             belief.mean_m,
             belief.sigma_m,

@@ -46,7 +46,7 @@ def _ranges(sonar: Sonar, turn: Turn) -> None:
     turn.work("echo", len(sonar.ranges_m))
     sigma_m, echo = np.full(24, 0.1), np.ones(24)
     mean_m = sonar.ranges_m * 1.01
-    turn.say(Ranges(sonar.ping, 0, sonar.fired_ns, mean_m, sigma_m, echo, 0.1))
+    turn.say(Ranges(sonar.ping, sonar.fired_ns, mean_m, sigma_m, echo, 0.1))
     turn.say(Scan(sonar.ping, 1, mean_m, sigma_m, echo))
 
 

@@ -30,11 +30,11 @@ class Sensing:
     def _sonar(self, sonar: Sonar, turn: Turn) -> None:
         turn.work("echo", sonar.ping)
         for _ in range(sonar.action):
-            turn.say(Ranges(sonar.ping, 0, 0, np.zeros(1), np.zeros(1), np.zeros(1), 0.0))
+            turn.say(Ranges(sonar.ping, 0, np.zeros(1), np.zeros(1), np.zeros(1), 0.0))
 
     def _odometry(self, _: Odometry, turn: Turn) -> None:
         turn.say(
-            Ranges(0, 0, 0, np.zeros(1), np.zeros(1), np.zeros(1), 0.0), ("world", 0), ("world", 3)
+            Ranges(0, 0, np.zeros(1), np.zeros(1), np.zeros(1), 0.0), ("world", 0), ("world", 3)
         )
 
 
