@@ -13,30 +13,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Literal
 
-Act: TypeAlias = Literal[
-    "continue",
-    "slow",
-    "stop",
-    "pull aside left",
-    "pull aside right",
-    "pass left",
-    "pass right",
-    "back up",
-]
-"""What a robot can do about something in its way; the words of ``decision/reaction``."""
-
-ACTS: tuple[Act, ...] = (
-    "continue",
-    "slow",
-    "stop",
-    "pull aside left",
-    "pull aside right",
-    "pass left",
-    "pass right",
-    "back up",
-)
+from bus.acts import ACTS as ACTS
+from bus.acts import Act as Act
 
 _SHARE_OF_SPEED: dict[Act, float] = {
     "continue": 1.0,

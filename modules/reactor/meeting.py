@@ -11,17 +11,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-ACTS = (
-    "continue",
-    "slow",
-    "stop",
-    "pull aside left",
-    "pull aside right",
-    "pass left",
-    "pass right",
-    "back up",
-)
-"""The words of ``decision/reaction``."""
+from bus.acts import ACTS as ACTS
 
 CONTINUE = ACTS.index("continue")
 LEFT = tuple(k for k, act in enumerate(ACTS) if act.endswith("left"))

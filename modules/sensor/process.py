@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -17,6 +18,9 @@ from modules.sensor.settings import Settings
 
 POSE_EVERY = 5
 """Odometry reports between two pose beliefs."""
+
+TURNED_RAD = math.radians(10.0)
+"""More than the wheels miscount on a straight way: after such a turn nothing looks as before."""
 
 
 class Sensor:
@@ -39,7 +43,7 @@ class Sensor:
         self._moved_by = (turn.heard,)
         self._pose = moved(self._pose, said.distance_m, said.turn_rad)
         self._speed_m_s = said.distance_m / said.elapsed_s if said.elapsed_s > 0 else 0.0
-        if said.turn_rad:
+        if abs(said.turn_rad) > TURNED_RAD:
             self._before = None
         self._reports += 1
         if self._reports % POSE_EVERY == 0:
