@@ -1,135 +1,130 @@
-"""How long one exact update of the belief over all connected maps takes.
+"""How long exact updates of the belief over all connected maps take.
 
-Usage: ``python -m benchmarks.connected_maps [--largest 10] [--without-enumeration]``
+Usage: ``python -m benchmarks.connected_maps [--largest 10] [--longest 64] [--without-baselines]``
 
-Prints a line for each square grid, then does the 4 by 4 update over by listing all 3,565,408
-connected maps with vectorised numpy: the same marginals to 1e-9, and the ratio of the times in
-the same run.
+Prints a line for each square grid and for each grid 8 lines wide: a fresh update, then one more
+reading at a junction in the middle: the log evidence and that junction's marginals, a
+neighbour's, all of them. Then what evidence costs that is not local, what the stored tables save,
+and the 4 by 4 update beside a list of all 3,565,408 maps (marginals to 1e-9) and the paper's
+network in pyAgrum and pgmpy. All in one process with the same evidence.
 """
 
 from __future__ import annotations
 
 import argparse
 import resource
+import tempfile
 import time
-from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bus.grid import JUNCTION_TYPES, Grid, Maps
-from modules.geographer import ConnectedMaps
+from benchmarks.connected_maps_baselines import (
+    compare_with_listing,
+    compare_with_networks,
+    random_likelihood,
+    seconds,
+)
+from bus.grid import JUNCTION_TYPES
+from modules.geographer import ConnectedMaps, MapBelief, PairLikelihood
+from modules.geographer.density import medium_density
+from modules.geographer.table_store import tables
 
-Floats = NDArray[np.float64]
-
-
-def seconds(action: Callable[[], object], repeats: int) -> float:
-    """The median time of an action."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        action()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
-
-
-def random_likelihood(grid: Grid) -> Floats:
-    """Evidence everywhere, from a fixed seed."""
-    rng = np.random.default_rng(1)
-    return rng.random((grid.rows, grid.columns, JUNCTION_TYPES))
+HEADER = (
+    f"{'grid':>6} {'maps':>10} {'cells':>11} {'making':>9} {'fresh':>10} | one more reading: "
+    f"{'there':>9} {'beside':>9} {'all':>10} {'of fresh':>8}"
+)
 
 
-def print_updates(largest: int) -> None:
-    """The table of update times by size."""
-    print(f"{'grid':>6} {'maps':>10} {'states':>8} {'cells':>11} {'tables':>9} {'update':>10}")
-    for lines in range(3, largest + 1):
-        start = time.perf_counter()
-        maps = ConnectedMaps(lines, lines)
-        building_s = time.perf_counter() - start
-        likelihood = random_likelihood(maps.grid)
-        maps.posterior(likelihood)
+def print_updates(columns: int, rows: int) -> None:
+    """One line of the table of update times."""
+    start = time.perf_counter()
+    maps = ConnectedMaps(columns, rows)
+    making_s = time.perf_counter() - start
+    likelihood = random_likelihood(maps.grid)
+    reading = np.random.default_rng(2).random(JUNCTION_TYPES)
+    x, y = columns // 2, rows // 2
+    repeats = 200 if maps.update_cells < 1e6 else 30 if maps.update_cells < 1e8 else 5
+    belief = maps.posterior(likelihood).update(x, y, reading)
+    belief.junctions  # noqa: B018
 
-        def update(maps: ConnectedMaps = maps, likelihood: Floats = likelihood) -> object:
-            return maps.posterior(likelihood).junctions
+    def updated() -> MapBelief:
+        return belief.update(x, y, reading)
 
-        update_s = seconds(update, 200 if lines < 6 else 7 if lines < 9 else 3)
-        print(
-            f"{lines:>3}x{lines:<2} {maps.count:>10.3g} {maps.states:>8} {maps.update_cells:>11} "
-            f"{building_s * 1e3:>6.1f} ms {update_s * 1e3:>7.3f} ms"
-        )
+    fresh_s = seconds(lambda: maps.posterior(likelihood).junctions, repeats)
+    there_s = seconds(lambda: updated().junction(x, y), repeats)
+    beside_s = seconds(lambda: updated().junction(x, y - 1), repeats)
+    all_s = seconds(lambda: updated().junctions, repeats)
+    print(
+        f"{columns:>3}x{rows:<2} {float(maps.count):>10.3g} {maps.update_cells:>11} "
+        f"{making_s * 1e3:>6.1f} ms {fresh_s * 1e3:>7.3f} ms | {'':>17} {there_s * 1e3:>6.3f} ms "
+        f"{beside_s * 1e3:>6.3f} ms {all_s * 1e3:>7.3f} ms {all_s / fresh_s:>8.2f}",
+        flush=True,
+    )
+
+
+def print_peak() -> None:
     peak_gib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(f"peak memory {peak_gib:.2f} GiB")
 
 
-def list_connected_maps(grid: Grid) -> Maps:
-    """All connected maps: grow the component of one corridor in every set of corridors."""
-    found = []
-    every = 1 << grid.corridors
-    for first in range(0, every, 1 << 20):
-        numbers = np.arange(first, min(first + (1 << 20), every), dtype=np.uint32)
-        found.append(numbers[_connected(grid, numbers)])
-    bits = np.arange(grid.corridors, dtype=np.uint32)
-    return (np.concatenate(found)[:, None] >> bits & 1).astype(np.uint8)
+def print_beyond_local() -> None:
+    """What a prior on the number of corridors and a pair of junctions cost."""
+    print(f"{'grid':>6} {'fresh':>10} {'counted':>10} {'a pair along':>13} {'a pair across':>14}")
+    table = np.random.default_rng(3).random((JUNCTION_TYPES, JUNCTION_TYPES))
+    for lines in range(4, 9):
+        maps = ConnectedMaps(lines, lines)
+        repeats = 20 if lines < 7 else 4
+        solve = partial(maps.posterior, random_likelihood(maps.grid))
+        asked = [
+            solve,
+            partial(solve, corridor_count_weights=medium_density(maps.grid.corridors)),
+            partial(solve, pairs=[PairLikelihood((1, 1), (2, 1), table)]),
+            partial(solve, pairs=[PairLikelihood((1, 1), (1, 2), table)]),
+        ]
+        for action in asked:
+            action()
+        found = [seconds(action, repeats) for action in asked]
+        fresh, counted, along, across = (f"{s * 1e3:.2f} ms" for s in found)
+        print(f"{lines:>3}x{lines:<2} {fresh:>10} {counted:>10} {along:>13} {across:>14}")
 
 
-def _connected(grid: Grid, numbers: NDArray[np.uint32]) -> NDArray[np.bool_]:
-    """Which sets of corridors, one bit each, are one component and not empty."""
-    reached = numbers & (~numbers + np.uint32(1))  # the lowest corridor of each set
-    meeting = [
-        sum(1 << c for c in range(grid.corridors) if set(grid.ends(c)) & set(grid.ends(corridor)))
-        for corridor in range(grid.corridors)
-    ]
-    while True:
-        before = reached.copy()
-        for corridor, neighbours in enumerate(meeting):
-            met = (reached & np.uint32(neighbours)) != 0
-            reached |= met.astype(np.uint32) << np.uint32(corridor) & numbers
-        if (reached == before).all():
-            whole: NDArray[np.bool_] = (reached == numbers) & (numbers > 0)
-            return whole
-
-
-def update_by_listing(types: NDArray[np.uint8], likelihood: Floats) -> Floats:
-    """Junction marginals from the listed maps' types (intersections, maps)."""
-    by_type = likelihood.reshape(-1, JUNCTION_TYPES)
-    weight = np.ones(types.shape[1])
-    for likelihoods, column in zip(by_type, types, strict=True):
-        weight *= likelihoods[column]
-    sums = [np.bincount(column, weight, JUNCTION_TYPES) for column in types]
-    marginals: Floats = np.reshape(sums, likelihood.shape) / weight.sum()
-    return marginals
-
-
-def compare_with_listing() -> None:
-    """The 4 by 4 update by the frontier method and by listing every map."""
-    maps = ConnectedMaps(4, 4)
-    listed = list_connected_maps(maps.grid)
-    if len(listed) != maps.count:
-        raise SystemExit(f"listed {len(listed)} maps, but counted {maps.count}")
-    types = np.ascontiguousarray(maps.grid.junction_types(listed).T)
-    likelihood = random_likelihood(maps.grid)
-    error = np.abs(
-        update_by_listing(types, likelihood) - maps.posterior(likelihood).junctions
-    ).max()
-    listing_s = seconds(lambda: update_by_listing(types, likelihood), 3)
-    frontier_s = seconds(lambda: maps.posterior(likelihood).junctions, 200)
-    print(
-        f"4x4 by listing {len(listed)} maps: {listing_s * 1e3:.0f} ms, by the frontier method "
-        f"{frontier_s * 1e3:.3f} ms: {listing_s / frontier_s:.0f} times faster; "
-        f"marginals differ by {error:.1e} at most"
-    )
-    if error > 1e-9:
-        raise SystemExit("the two updates disagree")
+def print_tables() -> None:
+    """Tables built, stored and mapped again, in a folder of their own."""
+    with tempfile.TemporaryDirectory() as folder:
+        for width in (8, 9, 10):
+            load = partial(tables, width, folder=Path(folder))
+            first_s, again_s = seconds(load, 1), seconds(load, 3)
+            print(
+                f"tables of {width} lines: {first_s * 1e3:.0f} ms the first time, "
+                f"{again_s * 1e3:.1f} ms from the cache folder"
+            )
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Time exact updates of the belief over maps.")
-    parser.add_argument("--largest", type=int, default=8, help="lines of the largest grid, to 10")
-    parser.add_argument("--without-enumeration", action="store_true")
+    parser = argparse.ArgumentParser(
+        description="Time exact updates of the belief over maps.",
+        epilog="Example: python -m benchmarks.connected_maps --largest 8 --longest 16",
+    )
+    parser.add_argument("--largest", type=int, default=10, help="lines of the largest square (10)")
+    parser.add_argument("--longest", type=int, default=64, help="lines of the longest 8 wide (64)")
+    parser.add_argument(
+        "--without-baselines", action="store_true", help="leave out the list and the networks"
+    )
     arguments = parser.parse_args()
-    print_updates(arguments.largest)
-    if not arguments.without_enumeration:
+    print(HEADER)
+    for lines in range(3, arguments.largest + 1):
+        print_updates(lines, lines)
+    print_peak()
+    for length in (8, 16, 32, 64):
+        if length <= arguments.longest:
+            print_updates(8, length)
+    print_tables()
+    print_beyond_local()
+    if not arguments.without_baselines:
         compare_with_listing()
+        compare_with_networks()
 
 
 if __name__ == "__main__":

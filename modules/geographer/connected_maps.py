@@ -9,25 +9,23 @@ linear in the grid's longer side and exponential in the shorter one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bus.grid import Grid, Maps
-from modules.geographer import counting, evidence, log_kernels, walk_kernels
-from modules.geographer.errors import (
-    ContradictoryEvidenceError,
-    EvidenceError,
-    GridTooWideError,
-)
+from bus.grid import Grid
+from modules.geographer import counting, evidence
+from modules.geographer.errors import EvidenceError, GridTooWideError
 from modules.geographer.evidence import Evidence
-from modules.geographer.frontier import Frontier, state_count
-from modules.geographer.solution import Solution, solve
+from modules.geographer.frontier import Frontier, state_count, update_cells
+from modules.geographer.map_belief import MapBelief
+from modules.geographer.pairs import PairLikelihood
+from modules.geographer.solution import Problem
+from modules.geographer.solving import log_mass
 from modules.geographer.sweep import Sweep
-
-Floats = NDArray[np.float64]
+from modules.geographer.table_store import Progress, tables
 
 WIDEST = 10
 """The most lines the shorter side may have; each line more needs five times the memory."""
@@ -36,15 +34,19 @@ WIDEST = 10
 class ConnectedMaps:
     """All connected maps of a grid of `columns` by `rows` lines, and beliefs about them.
 
+    The tables of grids 8 lines wide and more are kept in a cache folder
+    (:mod:`modules.geographer.table_store`); `progress` is called with what is done and what there
+    is to do while they are built.
+
     Raises ValueError for fewer than one line or a single intersection, GridTooWideError
     where the shorter side has more than 10 lines.
     """
 
-    def __init__(self, columns: int, rows: int) -> None:
+    def __init__(self, columns: int, rows: int, progress: Progress | None = None) -> None:
         self.grid = Grid(columns, rows)
         _check_width(self.grid)
         self._sweep = Sweep.of(self.grid)
-        self._frontier = Frontier.of(self._sweep.width)
+        self._frontier: Frontier = tables(self._sweep.width, progress)
         self._prior_key = b""
         self._prior_log_mass = 0.0
 
@@ -69,17 +71,17 @@ class ConnectedMaps:
         Each of the two passes meets at each intersection every state once and every pair of
         a state and one of the 16 junction types that it allows once.
         """
-        frontier = self._frontier
-        pairs = 4 * frontier.idle + 12 * frontier.joined
-        return 2 * self._sweep.steps * (frontier.states + pairs)
+        return update_cells(self._sweep.width, self._sweep.steps)
 
     def posterior(
         self,
         junction_likelihood: ArrayLike,
         corridor_odds: ArrayLike = 1.0,
         corridor_likelihood: ArrayLike | None = None,
+        corridor_count_weights: ArrayLike | None = None,
+        pairs: Iterable[PairLikelihood] = (),
     ) -> MapBelief:
-        """The belief over all connected maps given local evidence.
+        """The belief over all connected maps given evidence about them.
 
         `junction_likelihood` (rows, columns, 16) is P(readings | junction type), indexed
         [y, x, type]; entries for types that lead off the grid are ignored. `corridor_odds` is
@@ -88,119 +90,40 @@ class ConnectedMaps:
         P(observations | absent), P(observations | present). Likelihoods matter up to a factor
         for the belief; `log_evidence` takes them as they are.
 
-        Raises EvidenceError for wrong shapes, negative or non-finite entries, or odds that
-        allow no map; ContradictoryEvidenceError where every map has probability zero.
+        `corridor_count_weights` (corridors + 1,) multiplies the prior of every map by a weight
+        for its number of corridors (:mod:`modules.geographer.density` makes some): exactly, at
+        the cost of an update times about half the corridors, in time and memory. `pairs` are
+        readings that depend on the types of two neighbours. One that factors given their corridor
+        costs nothing; any other up to 8 times as much for the steps between the two, that is one
+        step for neighbours along the shorter side, a line for those along the longer one; pairs
+        that overlap in these steps multiply.
+
+        Raises EvidenceError for wrong shapes, negative or non-finite entries, or a prior that
+        allows no map; ContradictoryEvidenceError where every map has probability zero;
+        ProblemTooLargeError where counts or pairs need more than 4 GiB.
         """
-        before = evidence.prior(self.grid, corridor_odds)
-        known = evidence.observed(self.grid, before, junction_likelihood, corridor_likelihood)
-        prior_log_mass = self._log_mass(before)
-        solution = solve(self._frontier, self._sweep, known)
-        if solution.log_mass == -np.inf:
-            raise _contradiction(self.grid, known, corridor_likelihood is not None)
-        log_evidence = solution.log_mass + known.log_scale - prior_log_mass - before.log_scale
-        return MapBelief(self.grid, log_evidence, self._frontier, self._sweep, known, solution)
+        before = evidence.prior(self.grid, corridor_odds, corridor_count_weights)
+        known = evidence.observed(
+            self.grid, self._sweep, before, junction_likelihood, corridor_likelihood, pairs
+        )
+        log_prior = self._log_mass(before) + before.log_scale
+        problem = Problem(self._frontier, self._sweep, known)
+        return MapBelief.solved(self.grid, problem, before, log_prior)
 
     def _log_mass(self, before: Evidence) -> float:
-        """The prior's normaliser, computed again only when the odds change."""
-        key = before.corridors.tobytes()
-        if key != self._prior_key:
-            log_mass = solve(self._frontier, self._sweep, before).log_mass
-            if log_mass == -np.inf:
-                raise EvidenceError("corridor_odds: all are 0, so that no map is possible")
-            self._prior_key, self._prior_log_mass = key, log_mass
-        return self._prior_log_mass
-
-
-@dataclass(frozen=True, eq=False)
-class MapBelief:
-    """The posterior over all connected maps of a grid; made by :meth:`ConnectedMaps.posterior`.
-
-    `log_evidence` is the log probability of the evidence under the normalised prior.
-    """
-
-    grid: Grid
-    log_evidence: float
-    _frontier: Frontier
-    _sweep: Sweep
-    _evidence: Evidence
-    _solution: Solution
-
-    @cached_property
-    def junctions(self) -> Floats:
-        """P(junction type | evidence), (rows, columns, 16), indexed [y, x, type]."""
-        types = self._sweep.to_grid(self._solution.types)
-        return types.reshape(self.grid.rows, self.grid.columns, -1)
-
-    @cached_property
-    def corridors(self) -> Floats:
-        """P(corridor exists | evidence), (corridors,), in the order of a map."""
-        return self._sweep.corridor_probabilities(self._solution.types)
-
-    @property
-    def corridors_east(self) -> Floats:
-        """P(corridor from [y, x] east), (rows, columns - 1)."""
-        east = self.corridors[: self.grid.east_corridors]
-        return east.reshape(self.grid.rows, self.grid.columns - 1)
-
-    @property
-    def corridors_north(self) -> Floats:
-        """P(corridor from [y, x] north), (rows - 1, columns)."""
-        north = self.corridors[self.grid.east_corridors :]
-        return north.reshape(self.grid.rows - 1, self.grid.columns)
-
-    @cached_property
-    def entropy(self) -> float:
-        """Entropy of the belief in nats: the log total less the expected log weight of a map."""
-        types, logs = self._solution.types, self._log_weights
-        possible = types > 0.0
-        return max(0.0, self._solution.log_mass - float((types[possible] * logs[possible]).sum()))
-
-    def most_probable(self) -> Maps:
-        """The most probable map, (corridors,) of 0 and 1; the same one always where some tie."""
-        after = np.empty_like(self._solution.after)
-        leaves = np.zeros((1, self._sweep.steps), np.uint8)
-        log_kernels.log_backward(self._log_weights, *self._tables, after, True)
-        walk_kernels.follow_best(self._log_weights, *self._tables, after, leaves)
-        best: Maps = self._sweep.to_maps(leaves)[0]
-        return best
-
-    def sample(self, n: int, rng: np.random.Generator) -> Maps:
-        """`n` independent draws from the posterior, (n, corridors) of 0 and 1."""
-        solution = self._solution
-        leaves = np.zeros((n, self._sweep.steps), np.uint8)
-        uniforms = rng.random(leaves.shape)
-        walk_kernels.draw(
-            solution.weights,
-            *self._tables,
-            solution.after,
-            solution.logarithmic,
-            uniforms,
-            leaves,
+        """The prior's normaliser, computed again only when the prior changes."""
+        key = before.corridors.tobytes() + (
+            b"" if before.counts is None else before.counts.tobytes()
         )
-        return self._sweep.to_maps(leaves)
-
-    def log_probability(self, maps: Maps) -> Floats:
-        """Log posterior probability (n,) of maps (n, corridors); -inf for impossible ones.
-
-        Raises EvidenceError if the shape is wrong or an entry is not 0 or 1.
-        """
-        maps = np.asarray(maps, dtype=np.uint8)
-        if maps.ndim != 2 or maps.shape[1] != self.grid.corridors:
-            shape = f"(n, {self.grid.corridors})"
-            raise EvidenceError(f"maps: found shape {maps.shape}, expected {shape}")
-        if maps.max(initial=0) > 1:
-            raise EvidenceError(f"maps: found an entry {maps.max()}, expected 0 or 1")
-        leaves = self._sweep.to_leaves(maps)
-        logs: Floats = walk_kernels.weigh(self._log_weights, *self._tables, leaves)
-        return logs - self._solution.log_mass
-
-    @cached_property
-    def _log_weights(self) -> Floats:
-        return self._evidence.log_weights(self._sweep)
-
-    @property
-    def _tables(self) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
-        return self._frontier.enter, self._frontier.close, self._frontier.idle
+        if key != self._prior_key:
+            mass = log_mass(Problem(self._frontier, self._sweep, before))
+            if mass == -np.inf:
+                raise EvidenceError(
+                    "corridor_odds: no connected map is possible under these odds"
+                    + (" and corridor_count_weights" if before.counts is not None else "")
+                )
+            self._prior_key, self._prior_log_mass = key, mass
+        return self._prior_log_mass
 
 
 def _check_width(grid: Grid) -> None:
@@ -208,16 +131,9 @@ def _check_width(grid: Grid) -> None:
     if width > WIDEST:
         states = state_count(width)
         gib = states * grid.intersections * 8 / 2**30
+        cells = update_cells(width, grid.intersections)
         raise GridTooWideError(
             f"a grid of {grid.columns} by {grid.rows} lines has {states} frontier states "
-            f"for each of {grid.intersections} intersections, {gib:.1f} GiB a belief; "
-            f"the shorter side may have at most {WIDEST} lines"
+            f"for each of {grid.intersections} intersections: {cells} cells an update, "
+            f"{gib:.1f} GiB a belief; the shorter side may have at most {WIDEST} lines"
         )
-
-
-def _contradiction(grid: Grid, known: Evidence, corridors_too: bool) -> ContradictoryEvidenceError:
-    junctions = ", ".join(f"[{x},{y}]" for x, y in evidence.where_informative(grid, known))
-    return ContradictoryEvidenceError(
-        f"no connected map has positive probability: junctions [x,y] with evidence are "
-        f"{junctions or 'none'}" + ("; corridors have evidence too" if corridors_too else "")
-    )

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TypeAlias
 
-class GridTooWideError(ValueError):
+Place: TypeAlias = tuple[int, int]
+
+
+class ProblemTooLargeError(ValueError):
+    """An exact belief over all maps would need more memory than is allowed."""
+
+
+class GridTooWideError(ProblemTooLargeError):
     """The grid's shorter side has too many lines for an exact belief over all maps."""
 
 
@@ -12,4 +21,17 @@ class EvidenceError(ValueError):
 
 
 class ContradictoryEvidenceError(ValueError):
-    """No connected map has positive probability under the evidence given."""
+    """No connected map has positive probability under the evidence given.
+
+    `junctions` (x, y) and `corridors`, as pairs of ends, have the evidence that no map fits
+    together with the prior, where a smallest part of it was looked for.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        junctions: Sequence[Place] = (),
+        corridors: Sequence[tuple[Place, Place]] = (),
+    ) -> None:
+        super().__init__(message)
+        self.junctions, self.corridors = list(junctions), list(corridors)

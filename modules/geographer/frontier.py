@@ -22,6 +22,7 @@ ended while others go on: not connected).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,19 +57,46 @@ class Frontier:
         return state_count(self.width)
 
     @classmethod
-    def of(cls, width: int) -> Frontier:
-        """Build the tables: time and memory grow about fivefold with each line."""
+    def of(cls, width: int, progress: Callable[[int, int], None] | None = None) -> Frontier:
+        """Build the tables: time and memory grow about fivefold with each line.
+
+        `progress` is called with the number of columns done and their number.
+        """
         partitions = Partitions.of(width)
         columns = [_Column.of(partitions, x) for x in range(width)]
-        enter = [_enter(partitions, columns[x - 1], columns[x]) for x in range(width)]
+        enter = []
+        for x in range(width):
+            if progress is not None:
+                progress(x, width)
+            enter.append(_enter(partitions, columns[x - 1], columns[x]))
         close = [_close(partitions, column) for column in columns]
-        return cls(
-            width,
-            len(columns[0].idle),
-            len(columns[0].joined),
-            np.array(enter, dtype=np.int32),
-            np.array(close, dtype=np.int32),
+        if progress is not None:
+            progress(width, width)
+        return cls.from_tables(
+            width, np.array(enter, dtype=np.int32), np.array(close, dtype=np.int32)
         )
+
+    @classmethod
+    def from_tables(cls, width: int, enter: Table, close: Table) -> Frontier:
+        """The frontier with these tables, of the shapes that :func:`table_shapes` gives."""
+        return cls(width, partition_count(width - 1), close.shape[1], enter, close)
+
+
+def table_shapes(width: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """The shapes of `enter` and `close` for a width."""
+    joined = partition_count(width) - partition_count(width - 1)
+    return (width, state_count(width)), (width, joined)
+
+
+def update_cells(width: int, steps: int) -> int:
+    """Table entries touched by a backward and a forward pass.
+
+    Each meets at each intersection every state once and every pair of a state and one of the 16
+    junction types that it allows once.
+    """
+    idle = partition_count(width - 1)
+    joined = partition_count(width) - idle
+    return 2 * steps * (state_count(width) + 4 * idle + 12 * joined)
 
 
 def state_count(width: int) -> int:

@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 @njit(cache=True)
-def _combine(a: float, b: float, best: bool) -> float:
+def combine(a: float, b: float, best: bool) -> float:
     """log(exp(a) + exp(b)), or the larger of the two."""
     low, high = min(a, b), max(a, b)
     if best or low == -np.inf:
@@ -38,10 +38,10 @@ def log_pull(
             if follows == -np.inf:
                 continue
             if leave > 0 and rest < idle:
-                before[rest] = _combine(before[rest], weights[0, leave] + follows, best)
+                before[rest] = combine(before[rest], weights[0, leave] + follows, best)
             for code in range(1, 4):
                 state = idle + (code - 1) * joined + rest
-                before[state] = _combine(before[state], weights[code, leave] + follows, best)
+                before[state] = combine(before[state], weights[code, leave] + follows, best)
 
 
 @njit(cache=True)

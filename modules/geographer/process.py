@@ -7,6 +7,7 @@ the far end and the set of maps for the next decision.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 
 import numpy as np
@@ -133,5 +134,12 @@ class Geographer:
 
 def build(facts: Facts, settings: Settings, seed: int) -> Geographer:
     """The geographer of one run. Raises GridTooWideError for a grid beyond it."""
-    rehearse(ConnectedMaps(facts.columns, facts.rows))
+    rehearse(ConnectedMaps(facts.columns, facts.rows, _show_progress))
     return Geographer(facts, settings, seed)
+
+
+def _show_progress(done: int, total: int) -> None:
+    """A line that counts while tables are built, if somebody looks on."""
+    if sys.stderr.isatty():
+        end = "\n" if done == total else ""
+        print(f"\rbuilding tables of maps: {done}/{total}", end=end, file=sys.stderr, flush=True)

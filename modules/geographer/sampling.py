@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bus.grid import Maps
-from modules.geographer.connected_maps import ConnectedMaps, MapBelief
+from modules.geographer.connected_maps import ConnectedMaps
+from modules.geographer.map_belief import MapBelief
 from modules.geographer.record import nothing
 
 DRAWS_PER_MAP = 16

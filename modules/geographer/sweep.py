@@ -35,6 +35,10 @@ class Sweep:
         """How many intersections there are to sweep."""
         return len(self.intersections)
 
+    def step_of(self, intersection: int) -> int:
+        """The step at which an intersection is met."""
+        return int(np.flatnonzero(self.intersections == intersection)[0])
+
     @classmethod
     def of(cls, grid: Grid) -> Sweep:
         """The sweep of a grid."""
@@ -71,6 +75,13 @@ class Sweep:
         padded = np.concatenate([maps, np.zeros((len(maps), 1), np.uint8)], axis=1)
         leaves: NDArray[np.uint8] = padded[:, self.north] + 2 * padded[:, self.east]
         return leaves
+
+    def to_types(self, leaves: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Leave codes (maps, steps) -> the sweep's junction types (maps, steps)."""
+        south = np.pad(leaves, ((0, 0), (self.width, 0)))[:, : self.steps] & 1
+        west = np.pad(leaves, ((0, 0), (1, 0)))[:, : self.steps] >> 1
+        types: NDArray[np.uint8] = leaves + 4 * south + 8 * west
+        return types
 
     def corridor_probabilities(self, by_step: NDArray[np.float64]) -> NDArray[np.float64]:
         """Probability of each corridor of the map, from (steps, 4, 4) of junction types."""

@@ -8,7 +8,9 @@ Scaling keeps the greatest weights, but what is smallest may underflow and yet m
 end, when evidence of some places contradicts that of others by hundreds of orders of magnitude. So
 each pass also carries a bound on what it may have lost, in its own scale: the backward pass
 on any one entry (its matrices have row sums of at most `_gain`), the forward pass on the sum
-of all (its matrices are the transposed ones). `lost` (steps,) are the backward bounds.
+of all (its matrices are the transposed ones). `lost` (steps,) are the backward bounds, `missing`
+a forward one; `before` (states,) is the weight that reaches each state before a step, scaled to a
+sum of 1.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from modules.geographer.frontier import START, Table
 
 Floats = NDArray[np.float64]
 
-LEAST = np.finfo(np.float64).tiny
+LEAST = float(np.finfo(np.float64).tiny)
 """What one product may lose by underflow."""
 
 
@@ -35,10 +37,11 @@ def _gain(weights: Floats) -> float:
 
 
 @njit(cache=True)
-def _pull(weights: Floats, close: Table, idle: int, after: Floats, before: Floats) -> None:
+def pull(weights: Floats, close: Table, idle: int, after: Floats, before: Floats) -> None:
     """Weight of what may follow each state before an intersection, from that after it."""
     joined = len(close)
     w = weights
+    before[len(after) - 1] = 0.0
     for rest in range(joined):
         none = after[close[rest]]
         north = after[idle + rest]
@@ -55,70 +58,154 @@ def _pull(weights: Floats, close: Table, idle: int, after: Floats, before: Float
 
 
 @njit(cache=True)
+def pull_step(
+    weights: Floats,
+    enter: Table,
+    close: Table,
+    idle: int,
+    after: Floats,
+    lost: float,
+    scratch: Floats,
+    earlier: Floats,
+) -> tuple[float, float]:
+    """Fill `earlier`, what follows each state after the step before, from that `after` a step.
+
+    `enter` and `close` are this step's rows. Returns the factor divided out (0 if no map is left)
+    and the bound on what `earlier` has lost.
+    """
+    pull(weights, close, idle, after, scratch)
+    top = scratch.max()
+    if top == 0.0:
+        return 0.0, np.inf
+    for state in range(len(earlier)):
+        earlier[state] = scratch[enter[state]] / top
+    return float(top), (_gain(weights) * lost + 4 * LEAST) / top + LEAST
+
+
+@njit(cache=True)
 def backward(
     weights: Floats, enter: Table, close: Table, idle: int, after: Floats, lost: Floats
 ) -> float:
     """Fill `after` and `lost`; return the log of the total weight of all connected maps."""
     steps, states = after.shape
     width = len(enter)
-    before = np.zeros(states)
+    scratch = np.zeros(states)
     after[steps - 1, :] = 0.0
     after[steps - 1, states - 2] = 1.0
     lost[steps - 1] = 0.0
     log_mass = 0.0
     for step in range(steps - 1, 0, -1):
-        column = step % width
-        _pull(weights[step], close[column], idle, after[step], before)
-        top = before.max()
+        x = step % width
+        top, lost[step - 1] = pull_step(
+            weights[step], enter[x], close[x], idle, after[step], lost[step], scratch,
+            after[step - 1],
+        )  # fmt: skip
         if top == 0.0:
             return -np.inf
         log_mass += np.log(top)
-        lost[step - 1] = (_gain(weights[step]) * lost[step] + 4 * LEAST) / top + LEAST
-        for state in range(states):
-            after[step - 1, state] = before[enter[column, state]] / top
-    _pull(weights[0], close[0], idle, after[0], before)
-    return log_mass + np.log(before[START]) if before[START] > 0.0 else -np.inf
+    pull(weights[0], close[0], idle, after[0], scratch)
+    return log_mass + np.log(scratch[START]) if scratch[START] > 0.0 else -np.inf
 
 
 @njit(cache=True)
-def _push(
-    weights: Floats,
-    close: Table,
-    idle: int,
-    before: Floats,
-    after: Floats,
-    reached: Floats,
-    types: Floats,
-) -> None:
-    """Carry the weight `before` an intersection to `reached` after it; sum `types` (4, 4)."""
+def push(weights: Floats, close: Table, idle: int, before: Floats, reached: Floats) -> None:
+    """Carry the weight `before` an intersection to `reached` after it."""
     joined = len(close)
     w = weights
-    done = len(after) - 2
+    done = len(before) - 2
     for rest in range(idle):
         reached[rest] = w[0, 0] * before[rest]
-        types[0, 0] += before[rest] * after[rest]
     reached[done] = w[0, 0] * before[done]
-    types[0, 0] += before[done] * after[done]
+    reached[done + 1] = 0.0
     for rest in range(joined):
         free = before[rest] if rest < idle else 0.0
         south = before[idle + rest]
         west = before[idle + joined + rest]
         both = before[idle + 2 * joined + rest]
-        closed = close[rest]
-        reached[closed] += w[1, 0] * south + w[2, 0] * west + w[3, 0] * both
-        types[1, 0] += south * after[closed]
-        types[2, 0] += west * after[closed]
-        types[3, 0] += both * after[closed]
+        reached[close[rest]] += w[1, 0] * south + w[2, 0] * west + w[3, 0] * both
         for code in range(1, 4):
-            state = idle + (code - 1) * joined + rest
-            reached[state] = (
+            reached[idle + (code - 1) * joined + rest] = (
                 w[0, code] * free + w[1, code] * south + w[2, code] * west + w[3, code] * both
             )
-            types[0, code] += free * after[state]
-            types[1, code] += south * after[state]
-            types[2, code] += west * after[state]
-            types[3, code] += both * after[state]
-    reached[done + 1] = 0.0
+
+
+@njit(cache=True)
+def push_step(
+    weights: Floats,
+    arriving: Table,
+    close: Table,
+    idle: int,
+    before: Floats,
+    missing: float,
+    scratch: Floats,
+    later: Floats,
+) -> float:
+    """Fill `later`, the weight before the next step, from that `before` this one.
+
+    `close` is this step's row, `arriving` the next step's row of `enter`. Returns the bound on
+    what `later` has lost, infinite where no weight is left.
+    """
+    states = len(before)
+    push(weights, close, idle, before, scratch)
+    mass = scratch.sum()
+    if mass == 0.0:
+        return np.inf
+    later[:] = 0.0
+    for state in range(states - 1):
+        later[arriving[state]] += scratch[state] / mass
+    left_out: float = (_gain(weights) * missing + 4 * states * LEAST) / mass
+    return left_out + states * LEAST
+
+
+@njit(cache=True)
+def types_of(
+    weights: Floats, close: Table, idle: int, before: Floats, after: Floats, types: Floats
+) -> None:
+    """Fill `types` (4, 4) with a step's weight by enter and leave code."""
+    joined = len(close)
+    done = len(before) - 2
+    types[:] = 0.0
+    none = before[done] * after[done]
+    for rest in range(idle):
+        none += before[rest] * after[rest]
+    types[0, 0] = none
+    for rest in range(joined):
+        free = before[rest] if rest < idle else 0.0
+        south = before[idle + rest]
+        west = before[idle + joined + rest]
+        both = before[idle + 2 * joined + rest]
+        closed = after[close[rest]]
+        types[1, 0] += south * closed
+        types[2, 0] += west * closed
+        types[3, 0] += both * closed
+        for code in range(1, 4):
+            follows = after[idle + (code - 1) * joined + rest]
+            types[0, code] += free * follows
+            types[1, code] += south * follows
+            types[2, code] += west * follows
+            types[3, code] += both * follows
+    types *= weights
+
+
+@njit(cache=True)
+def types_step(
+    weights: Floats,
+    close: Table,
+    idle: int,
+    before: Floats,
+    missing: float,
+    after: Floats,
+    lost: float,
+    types: Floats,
+) -> float:
+    """Fill `types` (4, 4) with a step's posterior; return a bound on its error by underflow."""
+    types_of(weights, close, idle, before, after, types)
+    total = types.sum()
+    if total == 0.0:
+        return np.inf
+    types /= total
+    error: float = _gain(weights) * (missing + lost + len(before) * LEAST) / total
+    return error
 
 
 @njit(cache=True)
@@ -134,26 +221,22 @@ def forward(
     """Fill `types` (steps, 4, 4) with the posterior; return a bound on its error by underflow."""
     steps, states = after.shape
     width = len(enter)
+    scratch = np.zeros(states)
     before = np.zeros(states)
-    reached = np.zeros(states)
+    later = np.zeros(states)
     before[START] = 1.0
     missing = 0.0
     error = 0.0
-    types[:] = 0.0
     for step in range(steps):
-        column = step % width
-        _push(weights[step], close[column], idle, before, after[step], reached, types[step])
-        types[step] *= weights[step]
-        total = types[step].sum()
-        mass = reached.sum()
-        if total == 0.0 or mass == 0.0:
-            return np.inf
-        gain = _gain(weights[step])
-        error = max(error, gain * (missing + lost[step] + states * LEAST) / total)
-        missing = (gain * missing + 4 * states * LEAST) / mass + states * LEAST
-        types[step] /= total
-        before[:] = 0.0
-        arriving = enter[(step + 1) % width]
-        for state in range(states - 1):
-            before[arriving[state]] += reached[state] / mass
+        x = step % width
+        wrong = types_step(
+            weights[step], close[x], idle, before, missing, after[step], lost[step], types[step]
+        )
+        error = max(error, wrong)
+        if error == np.inf:
+            break
+        missing = push_step(
+            weights[step], enter[(x + 1) % width], close[x], idle, before, missing, scratch, later
+        )
+        before, later = later, before
     return error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import logsumexp
 
 from bus.grid import JUNCTION_TYPES, Grid, Maps
+from modules.geographer import PairLikelihood
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +46,13 @@ class Enumerated:
         return self.probability @ self.maps
 
     @property
+    def corridor_counts(self) -> Floats:
+        counts = self.maps.sum(axis=1, dtype=int)
+        result = np.zeros(self.grid.corridors + 1)
+        result[:] = np.bincount(counts, self.probability, len(result))
+        return result
+
+    @property
     def entropy(self) -> float:
         p = self.probability[self.probability > 0]
         return -float((p * np.log(p)).sum())
@@ -55,6 +64,8 @@ def enumerate_posterior(
     junction_likelihood: Floats,
     corridor_odds: ArrayLike = 1.0,
     corridor_likelihood: Floats | None = None,
+    corridor_count_weights: Floats | None = None,
+    pairs: Iterable[PairLikelihood] = (),
 ) -> Enumerated:
     grid = Grid(columns, rows)
     maps = all_maps(columns, rows)
@@ -62,11 +73,16 @@ def enumerate_posterior(
     types = grid.junction_types(maps)
     with np.errstate(divide="ignore"):
         log_prior = np.where(maps == 1, np.log(odds), 0.0).sum(axis=1)
+        if corridor_count_weights is not None:
+            log_prior += np.log(corridor_count_weights)[maps.sum(axis=1, dtype=int)]
         by_type = np.log(junction_likelihood).reshape(-1, JUNCTION_TYPES)
         log_likelihood = by_type[np.arange(grid.intersections), types].sum(axis=1)
         if corridor_likelihood is not None:
             by_corridor = np.log(corridor_likelihood)
             log_likelihood += by_corridor[np.arange(grid.corridors), maps].sum(axis=1)
+        for pair in pairs:
+            first, second = (types[:, grid.intersection(*p)] for p in (pair.first, pair.second))
+            log_likelihood += np.log(np.asarray(pair.likelihood))[first, second]
     log_joint = log_prior - logsumexp(log_prior) + log_likelihood
     log_evidence = float(logsumexp(log_joint))
     return Enumerated(grid, maps, log_evidence, np.exp(log_joint - log_evidence))

@@ -12,7 +12,10 @@ from modules.geographer import (
     ContradictoryEvidenceError,
     EvidenceError,
     GridTooWideError,
+    PairLikelihood,
+    ProblemTooLargeError,
 )
+from modules.geographer.density import medium_density, weights_for
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(0, 3), (3, -1), (1, 1)])
@@ -26,7 +29,9 @@ def test_too_wide_a_grid_says_what_it_would_need() -> None:
     # + 2 = 2476901 states; 11 * 12 intersections of 8 bytes each: 2.44 GiB.
     with pytest.raises(GridTooWideError) as error:
         ConnectedMaps(11, 12)
-    for fact in ("11 by 12", "2476901", "2.4 GiB", "at most 10"):
+    # Cells: both passes, 132 steps, states and 4 * 223191 + 12 * 751236 pairs with types.
+    cells = str(2 * 132 * (2476901 + 4 * 223191 + 12 * 751236))
+    for fact in ("11 by 12", "2476901", cells, "2.4 GiB", "at most 10"):
         assert fact in str(error.value)
 
 
@@ -63,7 +68,7 @@ def test_numbers_that_are_no_likelihoods(bad: float) -> None:
 
 
 def test_odds_that_allow_no_map() -> None:
-    with pytest.raises(EvidenceError, match="corridor_odds: all are 0"):
+    with pytest.raises(EvidenceError, match="corridor_odds: no connected map"):
         ConnectedMaps(2, 2).posterior(np.ones((2, 2, 16)), corridor_odds=0.0)
 
 
@@ -92,8 +97,66 @@ def test_contradiction_by_connectedness_alone() -> None:
 
 
 def test_contradictory_corridors() -> None:
-    with pytest.raises(ContradictoryEvidenceError, match="corridors have evidence too"):
+    with pytest.raises(ContradictoryEvidenceError, match=r"together$"):
         ConnectedMaps(2, 2).posterior(np.ones((2, 2, 16)), 1.0, np.array([[1.0, 0.0]] * 4))
+
+
+def test_counts_that_are_none() -> None:
+    flat = np.ones((2, 2, 16))
+    maps = ConnectedMaps(2, 2)
+    with pytest.raises(EvidenceError, match=r"corridor_count_weights: found shape \(4,\), exp.*5"):
+        maps.posterior(flat, corridor_count_weights=np.ones(4))
+    with pytest.raises(EvidenceError, match=r"corridor_count_weights\[1\]: found -1.0"):
+        maps.posterior(flat, corridor_count_weights=[0, -1, 1, 1, 1])
+    # No connected map has no corridor.
+    with pytest.raises(EvidenceError, match=r"no connected map.*corridor_count_weights"):
+        maps.posterior(flat, corridor_count_weights=[1, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [((0, 0), (1, 1)), ((0, 0), (0, 0)), ((2, 0), (3, 0)), ((-1, 0), (0, 0))]
+)
+def test_pairs_that_are_no_neighbours(first: tuple[int, int], second: tuple[int, int]) -> None:
+    pair = PairLikelihood(first, second, np.ones((16, 16)))
+    with pytest.raises(EvidenceError, match=r"pairs\[0\]: found junctions .* two neighbours"):
+        ConnectedMaps(3, 3).posterior(np.ones((3, 3, 16)), pairs=[pair])
+
+
+def test_pairs_with_a_table_that_is_none() -> None:
+    for table, said in ((np.ones((16, 15)), r"shape \(16, 15\)"), (np.full((16, 16), -1), "-1.0")):
+        pair = PairLikelihood((0, 0), (1, 0), table)
+        with pytest.raises(EvidenceError, match=rf"pairs\[0\].likelihood.*found {said}"):
+            ConnectedMaps(3, 3).posterior(np.ones((3, 3, 16)), pairs=[pair])
+
+
+def test_numbers_that_are_no_numbers() -> None:
+    with pytest.raises(EvidenceError, match="junction_likelihood: expected numbers"):
+        ConnectedMaps(2, 2).posterior([["a", "b"], ["c"]])
+
+
+def test_too_much_to_remember_says_what_it_would_need() -> None:
+    counts = np.ones(9 * 8 * 2 + 1)
+    with pytest.raises(ProblemTooLargeError, match=r"\d+ table entries.* GiB; at most 4 GiB"):
+        ConnectedMaps(9, 9).posterior(np.ones((9, 9, 16)), corridor_count_weights=counts)
+    # Six pairs across the same frontier: 8^6 classes at once.
+    table = np.random.default_rng(1).random((16, 16))
+    pairs = [PairLikelihood((x, 1), (x, 2), table) for x in range(7)]
+    with pytest.raises(ProblemTooLargeError):
+        ConnectedMaps(7, 7).posterior(np.ones((7, 7, 16)), pairs=pairs)
+
+
+@pytest.mark.parametrize("density", [(0.0, 0.1), (1.1, 0.1), (0.5, 0.0), (0.5, np.nan)])
+def test_densities_that_are_none(density: tuple[float, float]) -> None:
+    with pytest.raises(EvidenceError, match="density: found mean"):
+        medium_density(24, *density)
+
+
+def test_probabilities_of_numbers_that_no_map_has() -> None:
+    possible = ConnectedMaps(2, 2).count_by_corridors()
+    with pytest.raises(EvidenceError, match=r"probability: found \[1.0\] for \[0\] corridors"):
+        weights_for([1, 0, 0, 0, 0], possible)
+    with pytest.raises(EvidenceError, match=r"a sum of 0\.0"):
+        weights_for(np.zeros(5), possible)
 
 
 def test_maps_of_the_wrong_form() -> None:
@@ -107,8 +170,10 @@ def test_maps_of_the_wrong_form() -> None:
 def test_importing_compiles_nothing() -> None:
     program = (
         "import modules.geographer as g\n"
-        "from modules.geographer import log_kernels, sweep_kernels, walk_kernels\n"
-        "kernels = [k for m in (log_kernels, sweep_kernels, walk_kernels)\n"
+        "from modules.geographer import log_kernels, register_kernels, sweep_kernels\n"
+        "from modules.geographer import walk_kernels\n"
+        "modules = log_kernels, register_kernels, sweep_kernels, walk_kernels\n"
+        "kernels = [k for m in modules\n"
         "           for k in vars(m).values() if hasattr(k, 'signatures')]\n"
         "assert len(kernels) >= 8 and not any(k.signatures for k in kernels)\n"
     )
