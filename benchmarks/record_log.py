@@ -6,7 +6,7 @@ The messages are those of a run of aces, said again and again at later times. Ea
 messages a second by the wall clock and by the processor time of the process that does it:
 
 - ``RunLog.write``: straight into the log, with views and tail.
-- ``unpack, RunLog.write``: from the bytes of the wire, as the recorder does for each message.
+- ``Taker.take, RunLog.record``: from the bytes of the wire, as the recorder does.
 - ``over the bus``: a recorder process that gets them over zenoh; says how many were lost.
 - ``mcap Writer``: the mcap package's own writer with the same bytes, encoded beforehand.
 - ``read_run``: reading, with and without decoding; ``mcap StreamReader``: the same file.
@@ -31,11 +31,12 @@ from bus import link
 from bus.protocol import pack_commit
 from bus.recording import Recording
 from bus.topics import RECORDER, TOPICS
-from bus.wire import Sent, pack, unpack
+from bus.wire import Sent, pack
 from logs.mcap_file import CHUNK_BYTES
 from logs.reader import read_run
 from logs.run_log import RunLog
 from logs.schema import encode, schema, schema_name
+from logs.transcode import Taker
 from scenarios.in_process import run_in_process
 from scenarios.launch import prepare
 
@@ -59,7 +60,7 @@ def messages_of_aces(number: int) -> list[Sent]:
 
 
 def show(name: str, number: int, wall_s: float, processor_s: float, note: str = "") -> None:
-    print(f"{name:<24}{number / wall_s:>12,.0f} /s{number / processor_s:>12,.0f} /s cpu  {note}")
+    print(f"{name:<28}{number / wall_s:>12,.0f} /s{number / processor_s:>12,.0f} /s cpu  {note}")
 
 
 def timed(name: str, number: int, action: Callable[[], object]) -> None:
@@ -77,6 +78,13 @@ def write_log(path: Path, said: Iterable[Sent]) -> None:
     with RunLog(path, EPOCH_NS, {}, {}) as log:
         for sent in said:
             log.write(sent)
+
+
+def take_log(path: Path, wire: list[tuple[str, bytes]]) -> None:
+    take = Taker().take
+    with RunLog(path, EPOCH_NS, {}, {}) as log:
+        for start in range(0, len(wire), COMMIT_BATCH):
+            log.record([take(topic, data) for topic, data in wire[start : start + COMMIT_BATCH]])
 
 
 def write_with_mcap(path: Path, encoded: list[tuple[str, int, int, bytes]]) -> None:
@@ -110,7 +118,7 @@ def read_with_mcap(path: Path) -> int:
 def record(at: str, run: str, path: Path, answers: Connection) -> None:
     """The recorder's process."""
     with RunLog(path, EPOCH_NS, {}, {}) as log, link.open_client(at) as session:
-        recording = Recording(session, link.Keys(run), log.write)
+        recording = Recording(session, link.Keys(run), Taker().take, log.record)
         started_s = time.process_time()
         recording.run()
     answers.send((time.process_time() - started_s, len(recording.lost)))
@@ -160,11 +168,7 @@ def main() -> None:
         ours, theirs = Path(folder) / "ours.mcap", Path(folder) / "mcap.mcap"
         timed("RunLog.write", number, lambda: write_log(ours, said))
         timed("mcap Writer", number, lambda: write_with_mcap(theirs, encoded))
-        timed(
-            "unpack, RunLog.write",
-            number,
-            lambda: write_log(ours, (unpack(topic, data) for topic, data in wire)),
-        )
+        timed("Taker.take, RunLog.record", number, lambda: take_log(ours, wire))
         over_the_bus(ours, said)
         timed("read_run, decoding", number, lambda: read_decoded(ours))
         timed("read_run, counting", number, lambda: read_counted(ours))

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from types import MappingProxyType
+from typing import Literal, TypeAlias
 
 KINDS = (
     "echo",  # sensor: a firing of the ring
@@ -24,6 +25,11 @@ KINDS = (
     "reaction",  # reactor: an act chosen
     "note",  # anything that only remembers
 )
+
+
+WhyStopped: TypeAlias = Literal["nothing left", "settled", "out of cells"]
+"""Why an anytime procedure stopped: it has done all there is to do, more cannot be expected to
+change the answer, or what comes next does not fit into the cells it was given."""
 
 
 @dataclass(frozen=True)

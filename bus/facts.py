@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 
 from bus.grid import Grid
+
+
+class Ring(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The sonar ring the robot carries: what it is built of, not how well it hears today."""
+
+    transducers: int = 24
+    half_angle_rad: float = math.radians(15.0)
+    nearest_m: float = 0.15
+    farthest_m: float = 10.7
 
 
 class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -20,6 +31,7 @@ class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     heading: int
     speed_m_s: float
     corridor_width_m: float = 2.0
+    ring: Ring = Ring()
 
     @property
     def grid(self) -> Grid:

@@ -1,7 +1,7 @@
 """The zenoh star: one router-mode session, every other process a client of it.
 
 Keys are ``waywiser/RUN/t/TOPIC`` for messages, ``.../grant/PROCESS`` and ``.../done`` for the
-clock, ``.../commit`` for the recorder, ``.../refused`` for what was not let in,
+clock, ``.../t/.commit`` for the recorder, ``.../refused`` for what was not let in,
 ``.../alive/PROCESS`` for liveliness. RUN is unique to a launch, so a straggler of another run
 is never heard.
 """
@@ -28,6 +28,10 @@ _BASE: dict[str, Any] = {
 }
 
 
+_WITHOUT_BOUND = 1 << 40
+"""So many samples do not come."""
+
+
 class PortError(ValueError):
     """The port that the bus should listen on cannot be had."""
 
@@ -38,7 +42,7 @@ class Keys:
     def __init__(self, run: str) -> None:
         self.root = f"waywiser/{run}"
         self.done = f"{self.root}/done"
-        self.commit = f"{self.root}/commit"
+        self.commit = f"{self.root}/t/.commit"  # in one queue with the messages; no topic's name
         self.refused = f"{self.root}/refused"
         self.every_topic = f"{self.root}/t/**"
         self.all_alive = f"{self.root}/alive/*"
@@ -119,6 +123,13 @@ def subscribe(
         put((str(sample.key_expr), sample.payload.to_bytes()))
 
     return session.declare_subscriber(key, zenoh.handlers.Callback(received, indirect=False))
+
+
+def queue_up(
+    session: zenoh.Session, key: str
+) -> zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]:
+    """Let samples wait in zenoh's own queue until they are asked for: many a second, none lost."""
+    return session.declare_subscriber(key, zenoh.handlers.FifoChannel(_WITHOUT_BOUND))
 
 
 def watch_alive(

@@ -206,14 +206,19 @@ class AskedReaction(Message, frozen=True):
 
 
 class SensingDecision(Message, frozen=True):
-    """For each outcome of the running action: the next detector, or -1 and the type concluded."""
+    """For each outcome of the running action: the next detector, or -1 and the type concluded.
+
+    ``worth_s`` is what testing on is expected to save for each outcome, its time paid for; plans
+    held at most ``look_ahead`` tests.
+    """
 
     decision: int
     visit: int
     action: int
     next_detector: Ints
     concluded: Ints
-    information_nats: float
+    worth_s: FiniteFloats
+    look_ahead: int
 
 
 class PathDecision(Message, frozen=True):
@@ -234,13 +239,15 @@ class PathDecision(Message, frozen=True):
 class ReactionDecision(Message, frozen=True):
     """What to do about an approaching object, with the expected utility of every act.
 
-    ``fired_ns`` is when the ring was fired of whose echoes this is the consequence.
+    ``fired_ns`` is when the ring was fired of whose echoes this is the consequence; ``aside_m``
+    how far off the centre line an act that goes aside goes.
     """
 
     act: str
     expected_utility: FiniteFloats
     approaching: float
     fired_ns: int
+    aside_m: float = 0.65
 
 
 class Motion(Message, frozen=True):

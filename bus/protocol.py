@@ -12,7 +12,7 @@ import msgpack
 import msgspec
 
 from bus.coordinator import Done, Grant, Handled, Said
-from bus.wire import MessageId, RefusedError, Sent, pack, unpack
+from bus.wire import MessageId, RefusedError, Sent, pack
 
 CommitEntry: TypeAlias = MessageId | Sent
 """What the recorder writes next: a message it has received, by name, or one sent along."""
@@ -77,10 +77,10 @@ def pack_commit(entries: list[CommitEntry], *, last: bool) -> bytes:
     return packed
 
 
-def unpack_commit(data: bytes) -> tuple[list[CommitEntry], bool]:
-    """The inverse of :func:`pack_commit`."""
+def unpack_commit(data: bytes) -> tuple[tuple[tuple[str, int | bytes], ...], bool]:
+    """The inverse of :func:`pack_commit`: names, or topics and bytes of messages sent along."""
     items, last = _decoded(_COMMIT, "commit", data)
-    return [unpack(*i) if isinstance(i[1], bytes) else i for i in items], last
+    return items, last
 
 
 def pack_refusal(error: RefusedError) -> bytes:

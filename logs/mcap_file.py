@@ -61,7 +61,8 @@ def _packed(*records: _Record) -> bytes:
 class McapFile:
     """Writes one file: the head, then schemas and channels, messages, and at last ``finish``.
 
-    ``tail`` keeps the unfinished chunk safe. Every method may raise OSError.
+    ``tail`` keeps the unfinished chunk safe, as far as :meth:`keep` was called.
+    Every method may raise OSError.
     """
 
     def __init__(self, file: BinaryIO, tail: Tail | None = None) -> None:
@@ -81,6 +82,7 @@ class McapFile:
     def _new_chunk(self) -> None:
         self._body: list[bytes] = []
         self._size = 0
+        self._kept = 0
         self._index: dict[int, list[int]] = {}
         self._until_ns = _NEVER
 
@@ -141,16 +143,22 @@ class McapFile:
         record = _MESSAGE.pack(Opcode.MESSAGE, length, channel, sequence, stamp_ns, stamp_ns) + data
         if not self._index:
             self._until_ns = stamp_ns + CHUNK_NS
-            if self._tail is not None:
-                self._tail.begin(self._offset, b"".join(self._body))
-        if self._tail is not None:
-            self._tail.add(record)
         index = self._index.get(channel)
         if index is None:
             self._index[channel] = index = []
         index += (stamp_ns, self._size)
         self._body.append(record)
         self._size += len(record)
+
+    def keep(self) -> None:
+        """Have the tail keep the messages that it has not got yet."""
+        new = self._body[self._kept :]
+        if self._tail is None or not self._index or not new:
+            return
+        if self._kept == 0:
+            self._tail.begin(self._offset)
+        self._tail.add(b"".join(new))
+        self._kept = len(self._body)
 
     def end_chunk(self) -> None:
         """Write the chunk in progress, if it has a message, and hand it to the system."""

@@ -1,144 +1,151 @@
-"""A run as a trace that the Perfetto UI (https://ui.perfetto.dev) and chrome://tracing open.
+"""A run as a trace that the Perfetto UI (https://ui.perfetto.dev) and its trace processor open.
 
-The Trace Event Format (JSON): a process of the run is a track; a handler is a complete event
-(``X``) with its topic and cells; a chain is a flow (``s``, ``t``, ``f``) through the handlers
-that led to a decision; deadlines and misses are instant events (``i``). Times are microseconds
-since the run began; fractions keep the nanoseconds.
+The run is a track with one for each process below it, in the order of their priority. A handler
+is a slice with its message and cells. A chain is a flow: arrows through the handlers that led to
+a decision. Each kind of decision has a track too, with deadlines and misses as instants. Times
+are nanoseconds since the run began.
+
+The format is Perfetto's own: protobuf TrackEvents, as its page "Writing TrackEvent Protos
+Synthetically" describes them (https://perfetto.dev/docs/reference/synthetic-track-event).
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import IO, Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from bus.messages import LedgerEntry
-from bus.topics import PRIORITY, TOPICS
+from bus.topics import PRIORITY
+from logs import scan_kernels as k
 from logs.chains import DecisionChain
-from logs.decisions import NEVER, on_time
-from logs.loads import SpanRow
+from logs.decisions import KINDS, NEVER, cause_of, on_time
+from logs.perfetto_schema import EXPLICIT, INSTANT, SLICE_BEGIN, SLICE_END, trace_type
+from logs.reader import read_run
+from logs.report import title
 from logs.run_log import LogWriteError
+from logs.scan import NAMES
+from logs.study import Study
 
-Event: TypeAlias = dict[str, Any]
+Handler: TypeAlias = tuple[str, str, int]
+"""Process, source and sequence of the message that it handled: there is one slice of it."""
 
-THREAD = 1
+_SEQUENCE = 1
+"""All packets are one sequence of packets, so their order in the file counts."""
+
+_RUN_TRACK = 1
 
 
-def microseconds(time_ns: int) -> float:
-    """A time of the trace."""
-    return time_ns / 1000
+class _Span(NamedTuple):
+    process: str
+    topic: str
+    source: str
+    sequence: int
+    start_ns: int
+    end_ns: int
+    cells: int
 
 
-class PerfettoFile:
-    """Writes one trace, slice by slice, so that its size is no matter. Raises LogWriteError."""
+def write_trace(found: Study, path: Path) -> None:
+    """Write the trace of the log that was studied, slice by slice, so that its size is no matter.
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._pids: dict[str, int] = {}
-        self._first = True
-        try:
-            self._file: IO[str] = path.open("w", encoding="utf-8")
-        except OSError as error:
-            raise self._cannot(error) from error
-        self._put('{"displayTimeUnit": "ms", "traceEvents": [\n')
+    Raises LogReadError if the log is not there any more, LogWriteError if ``path`` cannot be
+    written.
+    """
+    try:
+        with path.open("wb") as file:
+            for packet in _packets(found):
+                file.write(trace_type()(packet=[packet]).SerializeToString())
+    except OSError as error:
+        reason = error.strerror or error
+        raise LogWriteError(f"{path}: cannot write the trace: {reason}") from error
 
-    def span(self, span: SpanRow) -> None:
-        """A handler ran."""
-        begins = microseconds(span.start_ns)
-        self._event(
-            {
-                "ph": "X",
-                "name": span.topic,
-                "cat": "handler",
-                "ts": begins,
-                "dur": microseconds(span.end_ns - span.start_ns),
-                "pid": self._pid(span.process),
-                "tid": THREAD,
-                "args": {
-                    "topic": span.topic,
-                    "message": f"{span.source} {span.sequence}",
-                    "cells": span.cells,
-                },
-            }
-        )
 
-    def close(
-        self, chains: tuple[DecisionChain, ...] = (), ledger: tuple[LedgerEntry, ...] = ()
-    ) -> None:
-        """End the trace with its flows and deadlines."""
-        for number, one in enumerate(chains, start=1):
-            for event in self._flow(number, one):
-                self._event(event)
-        for entry in ledger:
-            for event in self._deadline(entry):
-                self._event(event)
-        self._put("\n]}\n")
-        try:
-            self._file.close()
-        except OSError as error:
-            raise self._cannot(error) from error
+def _packets(found: Study) -> Iterator[dict[str, Any]]:
+    """All packets: a reader sorts them by time, those of one time stay as they are here."""
+    processes = sorted(
+        (load.process for load in found.analysis.loads),
+        key=lambda name: PRIORITY.get(name, len(PRIORITY)),
+    )
+    kinds = list(dict.fromkeys((*KINDS, *(entry.kind for entry in found.ledger))))
+    tracks = {name: number for number, name in enumerate(processes, start=_RUN_TRACK + 1)}
+    below = {kind: number for number, kind in enumerate(kinds, start=_RUN_TRACK + 1 + len(tracks))}
+    run = {"uuid": _RUN_TRACK, "name": title(found.analysis), "child_ordering": EXPLICIT}
+    yield _track(run)
+    for name, number in (*tracks.items(), *((f"{kind} deadlines", below[kind]) for kind in kinds)):
+        yield _track({"uuid": number, "name": name, "parent_uuid": _RUN_TRACK})
+    flows = _flows(found.chains)
+    for span in _spans(found.analysis.path):
+        yield from _slice(span, tracks[span.process], flows)
+    for entry in found.ledger:
+        yield from _deadline(entry, below[entry.kind])
 
-    def _flow(self, number: int, one: DecisionChain) -> Iterator[Event]:
+
+def _track(described: dict[str, Any]) -> dict[str, Any]:
+    described["sibling_order_rank"] = described["uuid"]
+    return {"trusted_packet_sequence_id": _SEQUENCE, "track_descriptor": described}
+
+
+def _event(time_ns: int, **event: Any) -> dict[str, Any]:
+    return {
+        "timestamp": time_ns,
+        "trusted_packet_sequence_id": _SEQUENCE,
+        "track_event": event,
+    }
+
+
+def _flows(chains: Sequence[DecisionChain]) -> dict[Handler, dict[str, list[int]]]:
+    """The flows through each handler: those that go on from there and those that end there."""
+    flows: dict[Handler, dict[str, list[int]]] = {}
+    for number, one in enumerate(chains, start=1):
         hops = one.chain.hops
         if len(hops) < 2:  # an arrow needs two ends
-            return
-        for k, hop in enumerate(hops):
-            last = k == len(hops) - 1
-            event: Event = {
-                "ph": "s" if k == 0 else "f" if last else "t",
-                "id": number,
-                "name": f"{one.kind} {one.decision}",
-                "cat": "chain",
-                "ts": microseconds(hop.said_ns + hop.transport_ns + hop.queueing_ns),
-                "pid": self._pid(hop.process),
-                "tid": THREAD,
-            }
-            if last:
-                event["bp"] = "e"  # it ends in the handler that encloses this moment
-            yield event
+            continue
+        for hop in hops:
+            how = "terminating_flow_ids" if hop is hops[-1] else "flow_ids"
+            through = flows.setdefault((hop.process, hop.source, hop.sequence), {})
+            through.setdefault(how, []).append(number)
+    return flows
 
-    def _deadline(self, entry: LedgerEntry) -> Iterator[Event]:
-        decides = TOPICS.get(f"decision/{entry.kind}")
-        event: Event = {
-            "ph": "i",
-            "name": f"deadline {entry.kind} {entry.decision}",
-            "cat": "deadline",
-            "ts": microseconds(entry.until_ns),
-            "pid": self._pid(decides.publisher if decides else entry.kind),
-            "tid": THREAD,
-            "s": "t",
-        }
-        yield event
-        if not on_time(entry):
-            slack_ns = None if entry.decided_ns == NEVER else entry.slack_ns
-            args = {"slack_ns": slack_ns, "cause": entry.cause, "idle_ns": entry.idle_ns}
-            name = f"missed {entry.kind} {entry.decision}"
-            yield {**event, "name": name, "cat": "miss", "s": "g", "args": args}
 
-    def _pid(self, process: str) -> int:
-        """The track of a process, announced when it is first needed."""
-        pid = self._pids.get(process)
-        if pid is None:
-            pid = self._pids[process] = len(self._pids) + 1
-            order = PRIORITY.get(process, len(PRIORITY))
-            for name, args in (
-                ("process_name", {"name": process}),
-                ("process_sort_index", {"sort_index": order}),
-                ("thread_name", {"name": "handlers"}),
-            ):
-                self._event({"ph": "M", "name": name, "pid": pid, "tid": THREAD, "args": args})
-        return pid
+def _spans(path: str) -> Iterator[_Span]:
+    with read_run(path) as reader:
+        for block in reader.blocks():
+            for row in block.spans[:, k.PROCESS :].tolist():
+                process, topic, source, *numbers = row
+                yield _Span(NAMES[process], NAMES[topic], NAMES[source], *numbers)
 
-    def _event(self, event: Event) -> None:
-        self._put(("" if self._first else ",\n") + json.dumps(event))
-        self._first = False
 
-    def _put(self, text: str) -> None:
-        try:
-            self._file.write(text)
-        except OSError as error:
-            raise self._cannot(error) from error
+def _slice(
+    span: _Span, track: int, flows: dict[Handler, dict[str, list[int]]]
+) -> Iterator[dict[str, Any]]:
+    yield _event(
+        span.start_ns,
+        type=SLICE_BEGIN,
+        track_uuid=track,
+        name=span.topic,
+        categories=["handler"],
+        debug_annotations=[
+            {"name": "message", "string_value": f"{span.source} {span.sequence}"},
+            {"name": "cells", "int_value": span.cells},
+        ],
+        **flows.get((span.process, span.source, span.sequence), {}),
+    )
+    yield _event(span.end_ns, type=SLICE_END, track_uuid=track)
 
-    def _cannot(self, error: OSError) -> LogWriteError:
-        return LogWriteError(f"{self._path}: cannot write the trace: {error.strerror or error}")
+
+def _deadline(entry: LedgerEntry, track: int) -> Iterator[dict[str, Any]]:
+    named = f"{entry.kind} {entry.decision}"
+    at: dict[str, Any] = {"type": INSTANT, "track_uuid": track}
+    yield _event(entry.until_ns, **at, name=f"deadline {named}", categories=["deadline"])
+    if on_time(entry):
+        return
+    notes: list[dict[str, Any]] = [
+        {"name": "cause", "string_value": cause_of(entry)},
+        {"name": "idle_ns", "int_value": entry.idle_ns},
+    ]
+    if entry.decided_ns != NEVER:
+        notes.append({"name": "slack_ns", "int_value": entry.slack_ns})
+    yield _event(
+        entry.until_ns, **at, name=f"missed {named}", categories=["miss"], debug_annotations=notes
+    )

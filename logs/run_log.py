@@ -8,7 +8,7 @@ in its log and all else in the tail beside it; :mod:`logs.recover` puts them tog
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -19,8 +19,9 @@ from mcap.records import Attachment, Channel, Schema
 from bus.topics import TOPICS
 from bus.wire import Sent
 from logs.mcap_file import McapFile
-from logs.schema import SchemaError, encode, schema, schema_name
+from logs.schema import SchemaError, schema, schema_name
 from logs.tail import Tail
+from logs.transcode import Taken, taken
 from logs.views import VIEWS, Views
 from logs.views.views import view_schema
 
@@ -99,19 +100,31 @@ class RunLog:
 
         Raises LogWriteError, or SchemaError for a message that does not fit.
         """
+        self.record([taken(sent)])
+
+    def record(self, entries: Sequence[Taken]) -> None:
+        """Write messages and their views; all of them outlive this process when it returns.
+
+        Raises LogWriteError, or SchemaError for a message that does not fit.
+        """
         if self._file.closed:
             raise LogWriteError(f"{self.path}: the log is closed")
-        data = encode(sent)
-        stamp_ns = self._epoch_ns + sent.said_ns
-        if not 0 <= stamp_ns <= _LAST_STAMP_NS:
-            raise SchemaError(f"{sent.topic}: said at {sent.said_ns} ns, outside of MCAP's time")
-        sequence = sent.sequence & _SEQUENCE_MASK
         try:
-            self._mcap.message(self._channels[sent.topic], sequence, stamp_ns, data)
-            for topic, view in self._views.of(sent):
-                self._mcap.message(self._channels[topic], sequence, stamp_ns, view)
+            for entry in entries:
+                self._add(entry)
+            self._mcap.keep()
         except OSError as error:
             raise self._give_up(error) from error
+
+    def _add(self, entry: Taken) -> None:
+        stamp_ns = self._epoch_ns + entry.said_ns
+        if not 0 <= stamp_ns <= _LAST_STAMP_NS:
+            raise SchemaError(f"{entry.topic}: said at {entry.said_ns} ns, outside of MCAP's time")
+        sequence = entry.id[1] & _SEQUENCE_MASK
+        self._mcap.message(self._channels[entry.topic], sequence, stamp_ns, entry.record)
+        if self._views.shows(entry.topic, entry.said_ns):
+            for topic, view in self._views.of(entry.sent):
+                self._mcap.message(self._channels[topic], sequence, stamp_ns, view)
 
     def close(self) -> None:
         """Finish the file and remove its tail. Does nothing where it is closed.

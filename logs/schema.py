@@ -23,7 +23,7 @@ from google.protobuf.message import DecodeError
 from google.protobuf.message_factory import GetMessageClass
 from msgspec.structs import astuple
 
-from bus.fields import array_specs
+from bus.fields import Spec, array_specs
 from bus.messages import Message
 from bus.topics import TOPICS
 from bus.wire import Sent
@@ -146,6 +146,30 @@ def field_numbers(topic: str) -> dict[str, int]:
     """The protobuf number of every field of a topic's record, by the name it is recorded by."""
     (declared,) = schema(topic).file[0].message_type
     return {field.name: field.number for field in declared.field}
+
+
+@dataclass(frozen=True)
+class PlannedField:
+    """A field of a message type: its Python type, its array's spec, its numbers in the record."""
+
+    kind: type
+    spec: Spec | None
+    number: int
+    shape_number: int
+
+
+def planned_fields(topic: str) -> tuple[PlannedField, ...]:
+    """The fields of a topic's message type, in their order; ``shape_number`` is 0 for no shape."""
+    numbers, specs = field_numbers(topic), array_specs(TOPICS[topic].type)
+    return tuple(
+        PlannedField(
+            of.kind,
+            specs.get(of.name),
+            numbers[of.recorded],
+            numbers.get(f"{of.recorded}_shape", 0),
+        )
+        for of in _fields(TOPICS[topic].type)
+    )
 
 
 def encode(sent: Sent) -> bytes:

@@ -1,8 +1,9 @@
 """What the logs say as CSV files, for a spreadsheet or a data frame.
 
 ``ledger.csv`` has a row a decision, ``spans.csv`` a row a handler, ``topics.csv`` a row a topic,
-``chains.csv`` a row a hop, ``beliefs.csv`` a row a belief about the map. The first column of all
-is the log. Times end in their unit; what is not there is an empty cell.
+``chains.csv`` a row a hop, ``paths.csv`` a row a path (its response times), ``beliefs.csv`` a row
+a belief about the map. The first column of all is the log. Times end in their unit; what is not
+there is an empty cell.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from bus.messages import LedgerEntry
 from logs.chains import DecisionChain
 from logs.decisions import NEVER
 from logs.loads import SpanRow
+from logs.paths import READINGS, PathTimes
 from logs.run_log import LogWriteError
 from logs.study import Study
 
@@ -29,11 +31,18 @@ CHAINS = (
     *("decision", "kind", "slack_ns", "hop", "topic", "source", "sequence", "process"),
     *("said_ns", "transport_ns", "queueing_ns", "computing_ns"),
 )
+PATHS = (
+    *("path", "inputs", "decisions"),
+    *(f"{reading}_{of}_s" for reading in READINGS for of in ("min", "median", "p95", "max")),
+)
 BELIEFS = (
     *("at_s", "visit", "entropy", "true_map", "right", "wrong", "open"),
     *("x", "y", "true_x", "true_y"),
 )
-HEADS = {"ledger": LEDGER, "spans": SPANS, "topics": TOPICS, "chains": CHAINS, "beliefs": BELIEFS}
+HEADS = {
+    **{"ledger": LEDGER, "spans": SPANS, "topics": TOPICS},
+    **{"chains": CHAINS, "paths": PATHS, "beliefs": BELIEFS},
+}
 
 
 class Tables:
@@ -67,6 +76,7 @@ class Tables:
         self._write("ledger", map(_ledger_row, found.ledger))
         self._write("topics", _topic_rows(found))
         self._write("chains", (row for one in found.chains for row in _hop_rows(one)))
+        self._write("paths", map(_path_row, found.paths))
         self._write("beliefs", _belief_rows(found))
 
     def close(self) -> None:
@@ -108,6 +118,12 @@ def _hop_rows(one: DecisionChain) -> Iterator[tuple[Any, ...]]:
             *(one.decision, one.kind, one.slack_ns, number, hop.topic, hop.source, hop.sequence),
             *(hop.process, hop.said_ns, hop.transport_ns, hop.queueing_ns, hop.computing_ns),
         )
+
+
+def _path_row(of: PathTimes) -> tuple[Any, ...]:
+    readings = (getattr(of, reading) for reading in READINGS)
+    times = (t for r in readings for t in (r.min_s, r.median_s, r.p95_s, r.max_s))
+    return " > ".join(of.topics), of.inputs, of.decisions, *times
 
 
 def _belief_rows(found: Study) -> Iterator[tuple[Any, ...]]:

@@ -1,8 +1,8 @@
 """The tail of a log: what is not in a finished chunk yet, in a file beside it.
 
 A chunk of RUN.mcap is written when it is full, which may take a minute; until then its records
-are in RUN.mcap.tail, each handed to the system the moment it is written, so that they outlive
-the process. The file begins with a head (what it is, and the offset in RUN.mcap at which the
+are in RUN.mcap.tail, handed to the system as soon as they are written, so that they outlive the
+process. The file begins with a head (what it is, and the offset in RUN.mcap at which the
 chunk will begin), then come frames (length, CRC-32, MCAP records). It is emptied when its chunk
 is in RUN.mcap and removed when the log is closed.
 """
@@ -36,12 +36,11 @@ class Tail:
         self._path.unlink(missing_ok=True)
         self._file: FileIO | None = None
 
-    def begin(self, offset: int, records: bytes) -> None:
-        """Begin a chunk that will be at ``offset``, with the records that it begins with."""
+    def begin(self, offset: int) -> None:
+        """Begin a chunk that will be at ``offset``."""
         if self._file is None:
             self._file = FileIO(self._path, "ab")
         self._write(_HEAD.pack(_MAGIC, offset))
-        self.add(records)
 
     def add(self, records: bytes) -> None:
         """Keep records of the chunk that was begun."""

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from logs.chains import DecisionChain
 from logs.decisions import KINDS, Decisions, summarise
+from logs.paths import PathTimes
 from logs.report import LISTED, ledger_table, make_table, render, seconds, title
 from logs.spread import NS_PER_S, spread
 from logs.study import Study
@@ -29,6 +30,8 @@ def render_study(found: Study, console: Console) -> None:
     if found.costs:
         console.print(_costs(found.costs))
     console.print(_ages(found.chains))
+    if found.paths:
+        console.print(_paths(found.paths))
     if any(of.distributions for of in found.calibration):
         console.print(_calibration(found))
     for line in _notes(found):
@@ -133,6 +136,21 @@ def _ages(chains: tuple[DecisionChain, ...]) -> Table:
         oldest = spread([age.oldest_ns for age in ages])
         times = (newest.median_s, newest.max_s, oldest.median_s, oldest.max_s)
         table.add_row(escape(kind), str(len(ages)), *map(seconds, times))
+    return table
+
+
+def _paths(paths: tuple[PathTimes, ...]) -> Table:
+    columns = ("kind", "from", "hops", "best", "worst", "first", "last", "longest")
+    table = make_table(
+        "Response times (medians; of a decision: best, worst; of an input: first, last)",
+        *columns,
+        left=("kind", "from"),
+    )
+    for of in paths:
+        medians = (of.best.median_s, of.worst.median_s, of.first.median_s, of.last.median_s)
+        kind = of.topics[-1].removeprefix("decision/")
+        path = (escape(kind), escape(of.topics[0]), str(len(of.topics) - 1))
+        table.add_row(*path, *map(seconds, medians), seconds(of.last.max_s))
     return table
 
 

@@ -13,8 +13,7 @@ from rich.markup import escape
 from logs import checking
 from logs.analysis import IN_TIME
 from logs.checking import CheckedLog, check_log, checked_to_json
-from logs.loads import SpanRow
-from logs.perfetto import PerfettoFile
+from logs.perfetto import write_trace
 from logs.picture import write_page
 from logs.reader import LogReadError
 from logs.run_log import LogWriteError
@@ -34,9 +33,11 @@ def analyse_command(
 ) -> int:
     """Carry out ``waywiser analyse``; returns the exit status."""
     try:
-        found = _studies(paths, tables, perfetto)
+        found = _studies(paths, tables)
+        if perfetto is not None:
+            write_trace(found[0], perfetto)
         if html is not None:
-            write_page(paths[0], html)
+            write_page(found[0], html)
     except (LogReadError, LogWriteError) as error:
         return refuse(error, BAD_INPUT, as_json=as_json)
     if as_json:
@@ -49,32 +50,19 @@ def analyse_command(
     return GOOD if all(one.analysis.verdict == IN_TIME for one in found) else FAILED
 
 
-def _studies(paths: list[Path], tables: Path | None, perfetto: Path | None) -> list[Study]:
+def _studies(paths: list[Path], tables: Path | None) -> list[Study]:
     with ExitStack() as open_files:
         table = open_files.enter_context(closing(Tables(tables))) if tables else None
-        return [
-            _study(path, table, perfetto if number == 0 else None)
-            for number, path in enumerate(paths)
-        ]
+        return [_study(path, table) for path in paths]
 
 
-def _study(path: Path, table: Tables | None, perfetto: Path | None) -> Study:
-    """Study one log, and write down on the way what was asked for."""
-    trace = PerfettoFile(perfetto) if perfetto else None
-    if table is not None:
-        table.begin(path)
-
-    def on_span(span: SpanRow) -> None:
-        if table is not None:
-            table.span(span)
-        if trace is not None:
-            trace.span(span)
-
-    found = study(path, on_span if table or trace else None)
-    if table is not None:
-        table.study(found)
-    if trace is not None:
-        trace.close(found.chains, found.ledger)
+def _study(path: Path, table: Tables | None) -> Study:
+    """Study one log, and fill the tables on the way if they were asked for."""
+    if table is None:
+        return study(path)
+    table.begin(path)
+    found = study(path, table.span)
+    table.study(found)
     return found
 
 

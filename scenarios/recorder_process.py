@@ -8,6 +8,7 @@ from pathlib import Path
 from bus import link
 from bus.recording import Recording
 from logs.run_log import LogWriteError
+from logs.transcode import Taker
 from scenarios.order import read_order
 from scenarios.parent import end_with_parent
 
@@ -26,7 +27,7 @@ def main(order_path: str) -> int:
             order.script.open_log(Path(order.log)) as log,
             link.open_client(order.endpoint) as session,
         ):
-            recording = Recording(session, link.Keys(order.run), log.write)
+            recording = Recording(session, link.Keys(order.run), Taker().take, log.record)
             recording.run()
     except LogWriteError as error:
         print(error, f"waywiser recover {order.log} OUT saves what is there", sep="\n", flush=True)

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from logs.run_log import RunLog
+from scenarios.parts import ATTACHMENT, pack_parts, parts_of
 from scenarios.scenario import Scenario
 
 LIBRARIES = (
@@ -39,8 +40,10 @@ class Script:
             "about": self.scenario.about,
             "seed": str(self.scenario.seed),
             "changes": "\n".join(self.changes),
+            "profile": self.scenario.compute.profile,
             "hop_ns": str(round(self.scenario.bus.hop_s * 1e9)),
             "versions": versions,
         }
-        attachments = {"scenario.toml": self.text.encode()}
+        parts = pack_parts(parts_of(self.scenario))
+        attachments = {"scenario.toml": self.text.encode(), ATTACHMENT: parts}
         return RunLog(path, self.scenario.epoch_ns, metadata, attachments)

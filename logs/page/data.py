@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from bus.grid import Grid
 from bus.messages import LedgerEntry, TrueBuilding
+from logs.chains import DecisionChain, Hop
 from logs.decisions import NEVER, NS_PER_S, cause_of, on_time
 from logs.page.record import Record
 from logs.page.story import outcome
@@ -23,12 +25,21 @@ MOST_LATE, MOST_IN_TIME = 1500, 1500
 MOST_MARGINALS = 150_000
 """Corridors times beliefs."""
 
+MOST_HOPS = 16
+"""Of one decision's chain, those nearest to it."""
+
 MOST_MEETINGS, MOST_SIGHTINGS, MOST_GOALS = 500, 40, 3000
 
 
-def page_data(record: Record, ledger: list[LedgerEntry], duration_s: float) -> dict[str, Any]:
+def page_data(
+    record: Record,
+    ledger: Sequence[LedgerEntry],
+    chains: Sequence[DecisionChain],
+    duration_s: float,
+) -> dict[str, Any]:
     """All that the page's script draws, and in ``notes`` what was left out of it."""
     shown = _shown(ledger)
+    by_decision = {(one.kind, one.decision): one for one in chains}
     return {
         "duration": duration_s,
         "notes": notes(record, ledger),
@@ -40,7 +51,13 @@ def page_data(record: Record, ledger: list[LedgerEntry], duration_s: float) -> d
         "beliefs": _beliefs(record),
         "goals": [[_s(at_ns), goal] for at_ns, goal in evenly(record.goals, MOST_GOALS)],
         "meetings": _meetings(record),
-        "decisions": [_decision(record, entry) for entry in shown],
+        "decisions": [
+            {
+                **_decision(record, entry),
+                **_chain(by_decision.get((entry.kind, entry.decision))),
+            }
+            for entry in shown
+        ],
         "spans": {
             name: [
                 [_s(of.start_ns), _s(of.end_ns), of.handlers, of.cells, _s(of.busy_ns)]
@@ -55,7 +72,7 @@ def page_data(record: Record, ledger: list[LedgerEntry], duration_s: float) -> d
     }
 
 
-def notes(record: Record, ledger: list[LedgerEntry]) -> list[str]:
+def notes(record: Record, ledger: Sequence[LedgerEntry]) -> list[str]:
     """What the page leaves out, one sentence each; empty if nothing."""
     said: list[str] = []
     for name, number, most in (
@@ -142,7 +159,7 @@ def _meetings(record: Record) -> list[dict[str, Any]]:
     ]
 
 
-def _shown(ledger: list[LedgerEntry]) -> list[LedgerEntry]:
+def _shown(ledger: Sequence[LedgerEntry]) -> list[LedgerEntry]:
     """The worst of the late decisions and an even choice of the others, in their order."""
     late = sorted((entry for entry in ledger if not on_time(entry)), key=_worst_first)[:MOST_LATE]
     good = evenly([entry for entry in ledger if on_time(entry)], MOST_IN_TIME)
@@ -155,8 +172,6 @@ def _worst_first(entry: LedgerEntry) -> tuple[bool, int]:
 
 def _decision(record: Record, entry: LedgerEntry) -> dict[str, Any]:
     told = record.story.tell(entry)
-    sent = record.story.decided(entry)
-    chain = record.ancestry.chain(sent.id) if sent is not None else None
     came = entry.decided_ns != NEVER
     return {
         "id": entry.decision,
@@ -174,13 +189,22 @@ def _decision(record: Record, entry: LedgerEntry) -> dict[str, Any]:
         "outcome": outcome(entry),
         "words": told.words,
         "at": _s(told.at_ns),
-        "chain": [
-            [of.topic, of.source, of.sequence, _s(of.said_ns), _began(of.began_ns), of.also]
-            for of in (chain.links if chain else ())
-        ],
-        "whole": chain.whole if chain else True,
     }
 
 
-def _began(began_ns: int | None) -> float | None:
-    return None if began_ns is None else _s(began_ns)
+def _chain(one: DecisionChain | None) -> dict[str, Any]:
+    """What led to a decision, last first; ``age`` is of the percepts that it was made from."""
+    if one is None:
+        return {"chain": [], "whole": True, "age": None}
+    hops, age = one.chain.hops[::-1], one.chain.age
+    return {
+        "chain": [_hop(hop) for hop in hops[:MOST_HOPS]],
+        "whole": one.chain.whole and len(hops) <= MOST_HOPS,
+        "age": None if age is None else [age.percepts, _s(age.newest_ns), _s(age.oldest_ns)],
+    }
+
+
+def _hop(hop: Hop) -> list[Any]:
+    parts_ns = (hop.transport_ns, hop.queueing_ns, hop.computing_ns)
+    parts = (round(ns / NS_PER_S, 6) for ns in parts_ns)
+    return [hop.topic, hop.source, hop.sequence, hop.process, _s(hop.said_ns), *parts]

@@ -1,5 +1,6 @@
 // The table of decisions, the worst first, the filters, and the one decision that is chosen.
-// chain: [topic, source, sequence, said, began, also made from], nearest first.
+// chain: [topic, source, sequence, to which process, said, transport, queueing, computing], last
+// first. age: [percepts, of the newest, of the oldest].
 
 const PAGE = 15;
 let shownRows = PAGE;
@@ -39,12 +40,15 @@ function drawDecisions() {
   byId("late").value = state.late;
 }
 
-function chainLine([topic, source, sequence, said, began, also]) {
-  const took = began === null ? "" : ` after ${seconds(said - began, 3)} of work`;
-  const more = also ? `, from ${also} more message${also > 1 ? "s" : ""} too` : "";
+function chainLine([topic, source, sequence, process, said, transport, queueing, computing]) {
+  const waited = queueing ? `, ${seconds(queueing, 3)} waiting there` : "";
   return make("li", {}, make("b", {}, topic), ` ${source} ${sequence}: said at `,
-    linkTo({ t: said }, seconds(said, 3)), took + more);
+    linkTo({ t: said }, seconds(said, 3)), `, to the ${process}: ${seconds(transport, 4)} on the bus` +
+    `${waited}, ${seconds(computing, 4)} of work`);
 }
+
+const ageWords = ([percepts, newest, oldest]) => percepts === 1 ? `one, ${seconds(newest, 3)} old` :
+  `${percepts}, ${seconds(newest, 3)} to ${seconds(oldest, 3)} old`;
 
 let chosenDrawn = "";
 
@@ -57,6 +61,7 @@ function drawChosen() {
     ["decided", decision.decided === null ? "never" : seconds(decision.decided)],
     ["outcome", decision.outcome], ["idle", seconds(decision.idle)],
     ["cells", decision.cells.toLocaleString("en-US")], ["size", decision.size.toLocaleString("en-US")]];
+  if (decision.age) facts.push(["percepts", ageWords(decision.age)]);
   const links = decision.chain.map(chainLine);
   byId("chosen").replaceChildren(
     make("p", {}, decision.words),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -14,7 +15,9 @@ from logs.page.data import as_script, notes, page_data
 from logs.page.plots import belief_figures, slack_figure
 from logs.page.record import Record
 from logs.page.tables import table
+from logs.paths import PathTimes
 from logs.report import seconds, title
+from logs.study import Study
 
 SCRIPTS = ("state.js", "replay.js", "timeline.js", "decisions.js", "main.js")
 """The page's script, in the order in which its parts stand on the page."""
@@ -22,9 +25,10 @@ SCRIPTS = ("state.js", "replay.js", "timeline.js", "decisions.js", "main.js")
 MOST_ERRANDS = 200
 
 
-def document(analysis: Analysis, record: Record, ledger: list[LedgerEntry]) -> str:
+def document(found: Study, record: Record) -> str:
     """The whole page, which needs nothing else."""
-    data = page_data(record, ledger, analysis.duration_s)
+    analysis, ledger = found.analysis, found.ledger
+    data = page_data(record, ledger, found.chains, analysis.duration_s)
     reasons = "".join(f"<p>because {escape(reason)}</p>" for reason in analysis.reasons)
     left_out = "".join(f'<p class="soft">{escape(note)}</p>' for note in notes(record, ledger))
     return Template(_part("page.html")).substitute(
@@ -41,6 +45,7 @@ def document(analysis: Analysis, record: Record, ledger: list[LedgerEntry]) -> s
         belief=_belief(analysis, record),
         loads=_loads(analysis),
         errands=_errands(analysis),
+        paths=_paths(found.paths),
         data=as_script(data),
         script="\n".join(_part(name) for name in SCRIPTS),
     )
@@ -50,7 +55,7 @@ def _part(name: str) -> str:
     return files("logs.page").joinpath(name).read_text(encoding="utf-8")
 
 
-def _kinds(ledger: list[LedgerEntry]) -> list[str]:
+def _kinds(ledger: Sequence[LedgerEntry]) -> list[str]:
     return list(dict.fromkeys((*KINDS, *(entry.kind for entry in ledger))))
 
 
@@ -92,7 +97,7 @@ def _ledger(analysis: Analysis) -> str:
     return table(head, rows, "Decisions and their deadlines")
 
 
-def _slack(ledger: list[LedgerEntry]) -> str:
+def _slack(ledger: Sequence[LedgerEntry]) -> str:
     drawn = "".join(
         slack_figure(kind, [entry for entry in ledger if entry.kind == kind])
         for kind in _kinds(ledger)
@@ -106,6 +111,30 @@ def _belief(analysis: Analysis, record: Record) -> str:
     return (
         '<section aria-labelledby="belief-heading"><h2 id="belief-heading">Belief</h2>'
         f"{belief_figures(record.beliefs, analysis.duration_s)}</section>"
+    )
+
+
+def _paths(paths: tuple[PathTimes, ...]) -> str:
+    rows = [
+        (
+            of.topics[-1].removeprefix("decision/"),
+            " \u2192 ".join(of.topics[:-1]),
+            f"{of.decisions:,}",
+            *map(seconds, (of.best.median_s, of.worst.median_s, of.worst.max_s)),
+            *map(seconds, (of.first.median_s, of.last.median_s)),
+        )
+        for of in paths
+    ]
+    if not rows:
+        return ""
+    head = ("decision", "from, over", "number", "best", "worst", "the longest", "first", "last")
+    words = (
+        "Medians. Of a decision: from the newest (best) and the oldest (worst) message that it was "
+        "made from on that way. Of such a message: to the first and the last decision made from it."
+    )
+    return (
+        '<section aria-labelledby="paths-heading"><h2 id="paths-heading">Response times</h2>'
+        f'<p class="soft">{words}</p>{table(head, rows)}</section>'
     )
 
 

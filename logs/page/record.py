@@ -12,7 +12,6 @@ from bus import messages as m
 from bus.wire import Sent
 from logs.belief import FinalBelief, final_belief, fits
 from logs.decisions import NS_PER_S
-from logs.page.chain import Ancestry
 from logs.page.people import People
 from logs.page.spans import Spans
 from logs.page.story import Story
@@ -47,7 +46,6 @@ class Record:
         self.people = People()
         self.spans = Spans()
         self.story = Story()
-        self.ancestry = Ancestry()
         self.pings: list[Ping] = []
         self.beliefs: list[Believed] = []
         self.goals: list[tuple[int, int]] = []
@@ -55,7 +53,6 @@ class Record:
 
     def hear(self, sent: Sent) -> None:
         """Take one message into account."""
-        self.ancestry.hear(sent)
         match sent.message:
             case m.Span() as span:
                 self.spans.hear(span)

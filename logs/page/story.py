@@ -138,7 +138,7 @@ class Story:
         what = f"detector {said.next_detector[outcome]}"
         if tested is not None:
             what = f"feature {tested.feature} in wedge {tested.wedge}"
-        return f"tested {what}, worth {said.information_nats:.2f} nats"
+        return f"tested {what}, worth {said.worth_s[outcome]:,.0f} s"
 
 
 def _against(chosen_s: float, other_s: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bus.grid import DIRECTIONS, EAST, NORTH, STEP, Grid
-from bus.messages import TrueBuilding
+from bus.messages import MapBelief, TrueBuilding
 
 Point = tuple[float, float]
 
@@ -25,6 +25,12 @@ class Floor:
         columns_m, rows_m = building.columns_m.tolist(), building.rows_m.tolist()
         grid = Grid(len(columns_m), len(rows_m))
         return Floor(grid, tuple(columns_m), tuple(rows_m), building.corridor_width_m)
+
+    def carries(self, belief: MapBelief) -> bool:
+        """Whether a belief is about the grid of this floor."""
+        grid = self.grid
+        places = (grid.rows, grid.columns)
+        return belief.corridors.shape == (grid.corridors,) and belief.junctions.shape[:2] == places
 
     def position_m(self, intersection: int) -> Point:
         """The centre of an intersection."""

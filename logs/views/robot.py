@@ -22,6 +22,14 @@ _COORDINATES = [
     for place, name in enumerate("xyz")
 ]
 
+_CLOUD = PointCloud(
+    frame_id=ROBOT,
+    pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
+    point_stride=4 * len(_COORDINATES),
+    fields=_COORDINATES,
+)
+"""What all clouds of echoes have."""
+
 
 def robot_frame(pose: TruePose, unix_ns: int) -> FrameTransform:
     """Where the robot's frame is in the building's."""
@@ -45,12 +53,8 @@ def _axes(transducers: int) -> NDArray[np.float64]:
 def echoes(sonar: Sonar, fired_unix_ns: int) -> PointCloud:
     """Where the echoes of one firing came from: a point each, none where none came back."""
     ranges_m = sonar.ranges_m
-    points = (_axes(len(ranges_m)) * ranges_m[:, None]).astype("<f4")
-    return PointCloud(
-        timestamp=stamp(fired_unix_ns),
-        frame_id=ROBOT,
-        pose=Pose(position=Vector3(), orientation=Quaternion(w=1.0)),
-        point_stride=points.strides[0],
-        fields=_COORDINATES,
-        data=points[np.isfinite(ranges_m)].tobytes(),
-    )
+    heard = np.isfinite(ranges_m)
+    points = _axes(len(ranges_m))[heard] * ranges_m[heard, None]
+    cloud = PointCloud(timestamp=stamp(fired_unix_ns), data=points.astype("<f4").tobytes())
+    cloud.MergeFrom(_CLOUD)
+    return cloud

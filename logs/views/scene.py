@@ -64,16 +64,9 @@ def building_scene(building: TrueBuilding, unix_ns: int) -> SceneUpdate:
     )
 
 
-def belief_scene(belief: MapBelief, floor: Floor, unix_ns: int) -> SceneUpdate | None:
-    """A line a corridor from red (not there) to green, the most probable type at each junction.
-
-    None for a belief about another grid.
-    """
+def belief_scene(belief: MapBelief, floor: Floor, unix_ns: int) -> SceneUpdate:
+    """A line a corridor from red (not there) to green, the most probable type at each junction."""
     grid = floor.grid
-    if belief.corridors.shape != (grid.corridors,):
-        return None
-    if belief.junctions.shape[:2] != (grid.rows, grid.columns):
-        return None
     ends = [floor.corridor_m(corridor) for corridor in range(grid.corridors)]
     colors = [_probability_color(p) for p in belief.corridors.tolist()]
     lines = LinePrimitive(

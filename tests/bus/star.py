@@ -26,7 +26,7 @@ from bus.process import PAYLOAD_PATIENCE_S, ModuleProcess
 from bus.recording import Recording
 from bus.topics import DETECTORS, PRIORITY, REACTOR, RECORDER, SENSOR, TOPICS, WORLD
 from bus.turns import Handler, Turn, Worker
-from bus.wire import MessageId, Sent
+from bus.wire import MessageId, Sent, unpack
 from simworld.clock import VirtualClock
 from simworld.voice import Outlet, Speaker
 
@@ -170,8 +170,8 @@ class Star:
         self._start(RECORDER, self._run_recorder)
 
     def _run_recorder(self, session: zenoh.Session) -> None:
-        written = self.ran.written.append
-        recording = Recording(session, self.keys, written, self._payload_patience_s)
+        written = self.ran.written.extend
+        recording = Recording(session, self.keys, unpack, written, self._payload_patience_s)
         recording.run()
         self.ran.unwritten += recording.lost
 

@@ -93,7 +93,7 @@ GARBAGE = [
     ("t/command/attention", msgpack.packb(("reactor", 55, 3, 0, (), ("soon",)))),
     ("t/weather/rain", msgpack.packb((*ENVELOPE, (1,)))),
     ("grant/sensor", b"\x01"),
-    ("commit", b"\x01\x02"),
+    ("t/.commit", b"\x01\x02"),
 ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from functools import cache
@@ -35,6 +36,18 @@ def read_with_node(path: Path) -> dict[str, dict[str, Any]]:
     done = subprocess.run(["node", str(SCRIPT), str(path)], capture_output=True, text=True)
     assert not done.returncode, done.stderr
     found: dict[str, dict[str, Any]] = json.loads(done.stdout)
+    return found
+
+
+def drawn_by_rerun(path: Path, folder: Path) -> dict[str, set[str]]:
+    """What Rerun makes of every topic: the names of its components, ``Points3D:colors`` say."""
+    converted = folder / "run.rrd"
+    for command in (("mcap", "convert", path, "-o", converted), ("rrd", "print", "-v", converted)):
+        done = subprocess.run(["rerun", *map(str, command)], capture_output=True, text=True)
+        assert not done.returncode, done.stdout + done.stderr
+    found: dict[str, set[str]] = {}
+    for topic, component in re.findall(r"/([\w/]+)@(\w+:\w+)", done.stdout):
+        found.setdefault(topic, set()).add(component)
     return found
 
 

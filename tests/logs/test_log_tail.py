@@ -17,24 +17,25 @@ def _log(path: Path) -> RunLog:
 
 def test_a_frame_is_on_disk_when_add_returns(tmp_path: Path) -> None:
     tail = Tail(tmp_path / "a.mcap")
-    tail.begin(77, b"schemas")
+    tail.begin(77)
+    tail.add(b"schemas")
     tail.add(b"one")
     found = read_tail(tmp_path / "a.mcap")
     assert found is not None
     assert (found.offset, found.frames, found.cut_bytes) == (77, (b"schemas", b"one"), 0)
     tail.clear()
     assert read_tail(tmp_path / "a.mcap") is None
-    tail.begin(99, b"")
+    tail.begin(99)
     tail.add(b"two")
     found = read_tail(tmp_path / "a.mcap")
     assert found is not None
-    assert (found.offset, found.frames) == (99, (b"", b"two"))
+    assert (found.offset, found.frames) == (99, (b"two",))
 
 
 def test_a_frame_that_is_cut_or_altered_ends_the_tail(tmp_path: Path) -> None:
     log = tmp_path / "a.mcap"
     tail = Tail(log)
-    tail.begin(0, b"")
+    tail.begin(0)
     for frame in (b"first", b"second", b"third"):
         tail.add(frame)
     tail.close()
@@ -42,11 +43,11 @@ def test_a_frame_that_is_cut_or_altered_ends_the_tail(tmp_path: Path) -> None:
     tail_path(log).write_bytes(data[:-1])
     found = read_tail(log)
     assert found is not None
-    assert (found.frames, found.cut_bytes) == ((b"", b"first", b"second"), 8 + 4)
+    assert (found.frames, found.cut_bytes) == ((b"first", b"second"), 8 + 4)
     tail_path(log).write_bytes(data.replace(b"second", b"sEcond"))
     found = read_tail(log)
     assert found is not None
-    assert found.frames == (b"", b"first")
+    assert found.frames == (b"first",)
 
 
 @pytest.mark.parametrize("data", [b"", b"waywiser tail", b"something else altogether"])

@@ -29,9 +29,10 @@ def _sent(message: m.Message, said_ns: int = 5 * S) -> Sent:
     return Sent(topic.name, topic.publisher, 3, -1, said_ns, (), message)
 
 
-def _view(message: m.Message, views: Views | None = None) -> Any:
-    """The one view of a message, decoded by nothing but the schema that is in the log."""
-    ((topic, data),) = (views or Views(EPOCH_NS)).of(_sent(message))
+def _view(message: m.Message, views: Views | None = None, topic: str = "") -> Any:
+    """The one view (on a topic) of a message, decoded by the schema that is in the log alone."""
+    found = (views or Views(EPOCH_NS)).of(_sent(message))
+    ((topic, data),) = (view for view in found if not topic or view[0] == topic)
     name, described = view_schema(topic)
     pool = DescriptorPool()
     for file in FileDescriptorSet.FromString(described).file:
@@ -121,13 +122,43 @@ def test_the_belief_is_coloured_by_its_probability() -> None:
     belief.junctions[1, 0] = np.eye(16)[3]
     assert views.of(_sent(belief)) == []  # there is nothing to draw it on yet
     views.of(_sent(BUILDING))
-    (entity,) = _view(belief, views).entities
+    (entity,) = _view(belief, views, "view/belief").entities
     lines, texts = entity.lines[0], entity.texts
     assert [color.g for color in lines.colors] == [0.9, 0.9, 0.5, 0.5, 0.6, 0.6, 0.0, 0.0]
     assert [(p.x, p.y) for p in lines.points[:2]] == [(1.0, 0.0), (19.0, 0.0)]
     assert [(p.x, p.y) for p in lines.points[4:6]] == [(0.0, 1.0), (0.0, 29.0)]
     assert [text.text for text in texts] == ["- 6%", "- 6%", "NE 100%", "- 6%"]
     assert [(t.pose.position.x, t.pose.position.y) for t in texts][2] == (0.0, 30.0)
+
+
+def test_every_corridor_is_a_strip_of_points_in_the_colour_of_its_probability() -> None:
+    views = Views(EPOCH_NS)
+    views.of(_sent(BUILDING))
+    belief = map_belief(0, [0.8, 0.5, 1.0, 0.0], [[1, 0, 1, 1]], [-2.0])
+    cloud = _view(belief, views, "view/chances")
+    assert (cloud.frame_id, cloud.timestamp.seconds) == ("building", EPOCH_NS // S + 5)
+    assert cloud.pose.orientation.w == 1.0
+    kinds = {1: "u1", 7: "<f4"}
+    point = np.dtype(
+        {
+            "names": [f.name for f in cloud.fields],
+            "formats": [kinds[f.type] for f in cloud.fields],
+            "offsets": [f.offset for f in cloud.fields],
+            "itemsize": cloud.point_stride,
+        }
+    )
+    points = np.frombuffer(cloud.data, point).reshape(4, -1)
+    assert points["probability"] == pytest.approx(np.tile(belief.corridors[:, None], 32))
+    assert points["red"].T.tolist() == [[51, 128, 0, 255]] * 32  # as the names of viewers have it
+    assert points["green"][:, 0].tolist() == [204, 128, 255, 0]
+    assert points["alpha"][:, 0].tolist() == [199, 153, 229, 76]
+    # corridors 0 and 1 lie east, at y = 0 and 30 m; 2 and 3 north, at x = 0 and 20 m
+    assert sorted(set(points["y"][0].tolist())) == [-0.25, 0.25]
+    assert sorted(set(points["y"][1].tolist())) == [29.75, 30.25]
+    assert sorted(set(points["x"][2].tolist())) == [-0.25, 0.25]
+    assert (points["x"][0].min(), points["x"][0].max()) == (1.5625, 18.4375)  # 18 m in 16 parts
+    assert (points["y"][3].min(), points["y"][3].max()) == (1.875, 28.125)
+    assert not points["z"].any()
 
 
 def test_a_belief_about_another_grid_is_not_drawn() -> None:
@@ -179,7 +210,7 @@ WORDS: list[tuple[m.Message, int, str]] = [
     (m.RunEnded("done"), Log.INFO, "the run ended: done"),
     (m.RunEnded("process down: decider"), Log.ERROR, "the run ended: process down: decider"),
     (
-        m.SensingDecision(5, 2, 3, np.array([7, 7, -1]), np.array([0, 0, 7]), 0.5),
+        m.SensingDecision(5, 2, 3, np.array([7, 7, -1]), np.array([0, 0, 7]), np.zeros(3), 2),
         Log.INFO,
         "sensing decision 5, visit 2 after action 3: detector 7 if 0 1; conclude NES if 2",
     ),

@@ -22,6 +22,7 @@ from tests.logs.other_readers import (
     NO_NODE,
     NO_RERUN,
     check_with_rerun,
+    drawn_by_rerun,
     has_node,
     has_rerun,
     read_with_node,
@@ -111,6 +112,17 @@ def test_rerun_finds_nothing_wrong(which: str, request: pytest.FixtureRequest) -
     found = check_with_rerun(path)
     assert set(found) >= set(_counts(path))
     assert set(found.values()) == {"ok"}
+
+
+@rerun
+def test_rerun_draws_the_robot_its_echoes_its_belief_and_the_words(
+    aces_path: Path, tmp_path: Path
+) -> None:
+    drawn = drawn_by_rerun(aces_path, tmp_path)
+    assert {"Points3D:positions", "Points3D:colors"} <= drawn["view/chances"]
+    assert "Points3D:positions" in drawn["view/echoes"]
+    assert "Transform3D:translation" in drawn["view/robot"]
+    assert "TextLog:text" in drawn["view/log"]
 
 
 def test_a_recovered_log_is_a_beginning_of_the_whole_one(

@@ -10,6 +10,7 @@ import pytest
 from bus import messages as m
 from bus.wire import Sent
 from logs.picture import write_page
+from logs.study import study
 from tests.logs.browser import CHROMIUM, NO_CHROMIUM, Document, show
 from tests.logs.conftest import MakeLog, S, Speaker, a_run
 
@@ -38,7 +39,7 @@ def _driving_run() -> list[Sent]:
 @pytest.fixture
 def page(make_log: MakeLog, tmp_path: Path) -> Path:
     out = tmp_path / "run.html"
-    write_page(make_log(_driving_run()), out)
+    write_page(study(make_log(_driving_run())), out)
     return out
 
 
@@ -84,6 +85,27 @@ def test_echoes_belief_and_words_are_those_of_the_moment(page: Path) -> None:
     assert lines == ["belief sure", "belief ruled-out", "belief sure", "belief open"]
     assert "ruled" not in later.by_id("corridors").words
     assert "0,1 to 1,1 0.0020 known not to be there there is none" in later.by_id("corridors").words
+
+
+def test_a_late_decision_leads_to_its_chain_hop_by_hop(late_run: Path, tmp_path: Path) -> None:
+    found, out = study(late_run), tmp_path / "late.html"
+    write_page(found, out)
+    worst = found.chains[0]
+    assert worst.slack_ns < 0
+    name = f"{worst.kind} {worst.decision}"
+    first = next(e for e in show(out).document.all("a") if e.words == name)
+    shown = show(out, str(first.attributes["href"]))
+    assert shown.console == []
+    document = shown.document
+    assert document.by_id("chosen-heading").words == f"Decision {worst.decision}, {worst.kind}"
+    words = document.by_id("chosen").words
+    at = -1
+    for hop in reversed(worst.chain.hops):
+        at = words.index(f"{hop.topic} {hop.source} {hop.sequence}: said at", at + 1)
+        assert f", to the {hop.process}:" in words[at : at + 120]
+    assert "45.0000 s of work" in words  # the handler that was made slow
+    assert "The chain goes on" not in words
+    assert "Response times" in [e.words for e in document.all("h2")]
 
 
 def test_nonsense_in_the_address_is_passed_over(page: Path) -> None:
@@ -162,7 +184,7 @@ def test_playing_moves_on_and_pausing_puts_the_moment_into_the_address(page: Pat
 
 def test_a_log_of_nothing_makes_no_errors(make_log: MakeLog, tmp_path: Path) -> None:
     out = tmp_path / "empty.html"
-    write_page(make_log([]), out)
+    write_page(study(make_log([])), out)
     shown = show(out, "#t=5")
     assert shown.console == []
     assert _rows(shown.document) == []

@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 
 from bus import messages as m
 from bus.wire import Sent
-from logs.page.data import MOST_IN_TIME, MOST_LATE, MOST_PINGS, as_script, notes, page_data
+from logs.chains import Chain, DataAge, DecisionChain, Hop
+from logs.page.data import (
+    MOST_HOPS,
+    MOST_IN_TIME,
+    MOST_LATE,
+    MOST_PINGS,
+    as_script,
+    notes,
+    page_data,
+)
 from logs.page.plots import BINS, belief_figures, slack_bins, slack_figure
 from logs.page.record import Record
 from logs.page.spans import MOST, Spans
@@ -31,7 +40,7 @@ def _recorded(said: list[Sent]) -> tuple[Record, list[m.LedgerEntry]]:
 
 def test_the_data_of_a_run(run: list[Sent]) -> None:
     record, ledger = _recorded(run)
-    data = json.loads(as_script(page_data(record, ledger, 600.0)))
+    data = json.loads(as_script(page_data(record, ledger, (), 600.0)))
     assert data["building"]["ends"] == [[0, 1], [2, 3], [0, 2], [1, 3]]
     assert data["beliefs"] == [[1, 0.9, 0.5, 0.6, 0.5], [598, 0.999, 0.002, 0.995, 0.4]]
     assert data["goals"] == [[0, 3]]
@@ -42,6 +51,32 @@ def test_the_data_of_a_run(run: list[Sent]) -> None:
     assert [meeting["collided"] for meeting in data["meetings"]] == [False, True]
     assert data["errands"][0] == [1, 0, 500, 400]
     assert data["notes"] == []
+
+
+def test_a_chain_is_told_hop_by_hop_last_first_and_cut_where_it_is_long() -> None:
+    ledger = [entry(number, "path", 0, 240, 50) for number in (1, 2)]
+    hops = tuple(
+        Hop("belief/map", "geographer", n, "decider", n * S, S // 1000, n * S, 2 * S)
+        for n in range(MOST_HOPS + 1)
+    )
+    age = DataAge(12, 60 * S, S // 4)
+    chains = [
+        DecisionChain(
+            *(number, "path", 0, 0, 240 * S, 190 * S),
+            Chain("decision/path", "decider", number, 50 * S, None, some, True, age),
+        )
+        for number, some in ((1, hops[:2]), (2, hops))
+    ]
+    short, long = page_data(Record(), ledger, chains, 600.0)["decisions"]
+    assert short["chain"] == [
+        ["belief/map", "geographer", 1, "decider", 1, 0.001, 1, 2],
+        ["belief/map", "geographer", 0, "decider", 0, 0.001, 0, 2],
+    ]
+    assert (short["whole"], short["age"]) == (True, [12, 0.25, 60])
+    assert [hop[2] for hop in long["chain"]] == list(range(MOST_HOPS, 0, -1))
+    assert not long["whole"]
+    (alone,) = page_data(Record(), ledger[:1], (), 600.0)["decisions"]
+    assert (alone["chain"], alone["age"]) == ([], None)
 
 
 def test_data_cannot_end_its_element_and_is_strict_json() -> None:
@@ -59,7 +94,7 @@ def test_a_long_run_is_thinned_and_the_page_says_so(run: list[Sent]) -> None:
         late = n % 2 == 1
         speaker.say(n, entry(n, "path", n, n + 9, n + 9 + n if late else n, cause="overrun" * late))
     record, ledger = _recorded(run[:1] + speaker.said)
-    data = page_data(record, ledger, 3.0 * MOST_PINGS)
+    data = page_data(record, ledger, (), 3.0 * MOST_PINGS)
     assert len(data["pings"]) == MOST_PINGS
     assert (data["pings"][0][0], data["pings"][-1][0]) == (0, 3 * MOST_PINGS - 1)
     assert len(data["spans"]["sensor"]) <= 2 * MOST

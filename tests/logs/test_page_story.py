@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from bus import messages as m
-from bus.wire import Sent
-from logs.page.chain import LONGEST, Ancestry
 from logs.page.people import People
 from logs.page.story import Story, outcome
 from tests.logs.conftest import BUILDING, S, Speaker, entry
@@ -68,14 +66,15 @@ def test_a_way_that_ends_at_a_wall_is_told_so() -> None:
 
 
 def test_a_sensing_decision_is_told_by_the_outcome_that_came() -> None:
-    said = m.SensingDecision(5, 1, 3, np.array([8, -1]), np.array([0, 7]), 0.5)
+    worth_s = np.array([1250.4, 0.0])
+    said = m.SensingDecision(5, 1, 3, np.array([8, -1]), np.array([0, 7]), worth_s, 2)
     first = m.Reading(1, 3, 0, 2, 0.1, 0)
     second = m.Reading(1, 4, 2, 6, 0.1, 0)
     motion = m.Motion(1, 3, 4, 8, np.zeros((0, 2)))
     sensing = entry(5, "sensing", 0, 30, 20)
-    assert _story(said, first).tell(sensing).words == "tested detector 8, worth 0.50 nats"
+    assert _story(said, first).tell(sensing).words == "tested detector 8, worth 1,250 s"
     assert _story(said, first, motion, second).tell(sensing).words == (
-        "tested feature 2 in wedge 6, worth 0.50 nats"
+        "tested feature 2 in wedge 6, worth 1,250 s"
     )
     sure = m.Reading(1, 3, 0, 2, 0.9, 1)
     assert _story(said, sure).tell(sensing).words == "enough is known: a NES junction"
@@ -96,43 +95,6 @@ def test_outcomes() -> None:
     assert outcome(entry(1, "path", 0, 240, 50)) == "190.0 s to spare"
     assert outcome(entry(1, "path", 0, 40, 50, cause="overrun")) == "late by 10.0 s: overrun; stand"
     assert outcome(entry(1, "path", 0, 40, None)) == "never came: unknown"
-
-
-def _said(source: str, sequence: int, at_s: float, *parents: tuple[str, int]) -> Sent:
-    return Sent("belief/map", source, sequence, -1, int(at_s * S), parents, m.RunEnded(""))
-
-
-def test_a_chain_follows_what_triggered_each_maker() -> None:
-    ancestry = Ancestry()
-    for sent in (
-        _said("world", 0, 1),
-        _said("sensor", 0, 2, ("world", 0)),
-        _said("decider", 0, 9, ("sensor", 0), ("world", 0), ("world", 7)),
-    ):
-        ancestry.hear(sent)
-    span = m.Span("decider", "belief/map", "sensor", 0, 5 * S, 9 * S, 10)
-    ancestry.hear(Sent("clock/span", "clock", 0, -1, 9 * S, (), span))
-    chain = ancestry.chain(("decider", 0))
-    assert [(of.source, of.sequence, of.also) for of in chain.links] == [
-        ("decider", 0, 2),
-        ("sensor", 0, 0),
-        ("world", 0, 0),
-    ]
-    assert [of.began_ns for of in chain.links] == [5 * S, None, None]
-    assert chain.whole
-    assert ancestry.chain(("decider", 1)).links == ()
-
-
-def test_a_chain_says_where_it_is_cut() -> None:
-    ancestry = Ancestry()
-    for n in range(LONGEST + 1):
-        ancestry.hear(_said("sensor", n, n, *([("sensor", n - 1)] if n else [])))
-    ancestry.hear(_said("sensor", 50, 99, ("world", 3)))  # the messages between are lost
-    assert len(ancestry.chain(("sensor", LONGEST)).links) == LONGEST
-    assert not ancestry.chain(("sensor", LONGEST)).whole
-    assert ancestry.chain(("sensor", LONGEST - 1)).whole
-    assert not ancestry.chain(("sensor", 50)).whole
-    assert ancestry.chain(("sensor", 40)).links == ()
 
 
 def test_a_person_is_the_echo_ahead_that_comes_nearer() -> None:

@@ -12,19 +12,20 @@ from bus.wire import Sent
 from logs.picture import write_page
 from logs.reader import LogReadError
 from logs.run_log import LogWriteError
+from logs.study import study
 from tests.logs.browser import Document
 from tests.logs.conftest import MakeLog
 
 
 def _page(log: Path, tmp_path: Path) -> Document:
     out = tmp_path / "run.html"
-    write_page(log, out)
+    write_page(study(log), out)
     return Document(out.read_text(encoding="utf-8"))
 
 
 def test_the_page_needs_nothing_else(run_path: Path, tmp_path: Path) -> None:
     out = tmp_path / "run.html"
-    assert write_page(run_path, out).verdict == "late"
+    write_page(study(run_path), out)
     text = out.read_text(encoding="utf-8")
     page = Document(text)
     assert page.all("html")[0].attributes == {"lang": "en"}
@@ -84,14 +85,14 @@ def test_the_true_corridors_are_outlined_where_they_are(run_path: Path, tmp_path
 
 
 def test_the_page_repeats_byte_for_byte(run_path: Path, tmp_path: Path) -> None:
-    write_page(run_path, tmp_path / "a.html")
-    write_page(run_path, tmp_path / "b.html")
+    write_page(study(run_path), tmp_path / "a.html")
+    write_page(study(run_path), tmp_path / "b.html")
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
 
 
 def test_a_log_of_nothing_still_gets_a_page_that_says_so(make_log: MakeLog, tmp_path: Path) -> None:
     out = tmp_path / "run.html"
-    assert write_page(make_log([]), out).inconclusive
+    write_page(study(make_log([])), out)
     page = Document(out.read_text(encoding="utf-8"))
     assert "because the log does not say why the run ended" in [e.words for e in page.all("p")]
     assert "hidden" in page.by_id("replay").attributes  # no building, nothing to replay
@@ -110,7 +111,9 @@ def test_words_of_a_log_are_not_taken_for_html(
 
 
 def test_bad_paths_are_named(run_path: Path, tmp_path: Path) -> None:
-    with pytest.raises(LogReadError, match=r"no\.mcap"):
-        write_page(tmp_path / "no.mcap", tmp_path / "run.html")
+    found = study(run_path)
     with pytest.raises(LogWriteError, match=r"no/run.html: cannot write the page: No such file"):
-        write_page(run_path, tmp_path / "no" / "run.html")
+        write_page(found, tmp_path / "no" / "run.html")
+    run_path.unlink()
+    with pytest.raises(LogReadError, match=r"RUN\.mcap"):
+        write_page(found, tmp_path / "run.html")

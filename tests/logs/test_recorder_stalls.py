@@ -15,6 +15,7 @@ from bus.wire import Sent, pack
 from logs.reader import read_run
 from logs.recover import recover
 from logs.run_log import RunLog
+from logs.transcode import Taken, Taker
 from tests.logs.endless_run import EPOCH_NS, message
 
 GUARD_S = 60.0
@@ -51,11 +52,11 @@ def test_all_is_published_while_the_recorder_stands_still_and_nothing_is_lost(
         RunLog(tmp_path / "a.mcap", EPOCH_NS, {}, {}) as log,
     ):
 
-        def write(sent: Sent) -> None:
+        def write(entries: list[Taken]) -> None:
             late.append(not published.wait(GUARD_S))  # the disk hangs until all is said
-            log.write(sent)
+            log.record(entries)
 
-        recording = Recording(session, keys, write)
+        recording = Recording(session, keys, Taker().take, write)
         _wait_until_ready(hub, keys)
         recorder = threading.Thread(target=recording.run, daemon=True)
         recorder.start()
@@ -78,7 +79,7 @@ def test_what_never_came_is_counted_and_missing_from_the_log(tmp_path: Path) -> 
         link.open_client(at) as session,
         RunLog(tmp_path / "a.mcap", EPOCH_NS, {}, {}) as log,
     ):
-        recording = Recording(session, keys, log.write, 0.1)
+        recording = Recording(session, keys, Taker().take, log.record, 0.1)
         _wait_until_ready(hub, keys)
         _publish(hub, keys, came, said)
         recording.run()

@@ -206,7 +206,9 @@ def test_a_real_run_is_placed_and_believed_rightly(late: Study) -> None:
 def test_the_readings_of_a_real_path_are_in_order(late: Study) -> None:
     assert {path.topics[-1] for path in late.paths} >= {"decision/path", "decision/sensing"}
     for path in late.paths:
-        for low, high in ((path.best, path.worst), (path.best, path.worst_with_external_latency)):
-            if high.number:
-                assert (low.min_s or 0.0) <= (high.min_s or 0.0)
-                assert (low.max_s or 0.0) <= (high.max_s or 0.0) or high.number < low.number
+        for low, high in ((path.best, path.worst), (path.first, path.last)):
+            assert (low.median_s or 0.0) <= (high.median_s or 0.0)
+            assert (low.max_s or 0.0) <= (high.max_s or 0.0)
+        assert path.all.max_s == path.worst.max_s == path.last.max_s
+    # what a sensing decision was made from goes into the ones after it, too
+    assert any((p.first.median_s or 0.0) < (p.last.median_s or 0.0) for p in late.paths)

@@ -1,0 +1,1 @@
+"""One module alone, fed what it heard, its words compared with the log."""
