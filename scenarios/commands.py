@@ -63,7 +63,7 @@ def launch(
 
 @app.command(
     epilog="Examples: `waywiser analyse logs/runs/aces-seed1-20260101-120000.mcap`; "
-    "`waywiser analyse run.mcap --html run.html --perfetto run.json`; "
+    "`waywiser analyse run.mcap --html run.html --perfetto run.pftrace`; "
     "`waywiser analyse a.mcap b.mcap --tables tables`. "
     "Exit status: 0 all in time, 1 decisions late, 2 bad input, 3 the log is not whole."
 )
@@ -76,14 +76,16 @@ def analyse(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Also write ledger, spans, topics, chains and beliefs as CSV files (CSV only: "
-            "data frame libraries read it, and it needs none).",
+            help="Also write ledger, spans, topics, chains, paths and beliefs as CSV files (CSV "
+            "only: data frame libraries read it, and it needs none).",
         ),
     ] = None,
     perfetto: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Also write the first log as a trace for https://ui.perfetto.dev."
+            metavar="FILE",
+            help="Also write the first log as a trace for https://ui.perfetto.dev (protobuf; such "
+            "files are called .pftrace).",
         ),
     ] = None,
     as_json: Json = False,
@@ -127,8 +129,188 @@ def recover(
     raise typer.Exit(recover_command(log, out, as_json))
 
 
+@app.command(
+    epilog="Examples: `waywiser regress before.mcap after.mcap`; "
+    "`waywiser regress before/ after/ --junit regress.xml`; "
+    "`waywiser regress after/ --write-baseline aces.jsonl`, then "
+    "`waywiser regress aces.jsonl later/`; "
+    "`waywiser regress ../old . --measure aces --wall`, both source trees, in turn; "
+    "`waywiser regress --self-test`. "
+    "Exit status: 0 nothing changed, 1 something did, 2 bad input, "
+    "3 no verdict is honest (a log is cut off, a run is missing, wall time is unclear)."
+)
+def regress(
+    sides: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="BASE NEW", help="Logs, folders of logs, or baselines.", show_default=False
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            min=0.0, max=50.0, metavar="PERCENT", help="By which work may differ, say 0.5."
+        ),
+    ] = 0.0,
+    wall: Annotated[
+        bool, typer.Option("--wall", help="Let wall time fail, too; else it is advice.")
+    ] = False,
+    measure: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SCENARIO",
+            help="BASE and NEW are source trees or Pythons: run SCENARIO with them in turn.",
+        ),
+    ] = None,
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a key of that scenario."),
+    ] = None,
+    rounds: Annotated[int, typer.Option(min=1, help="Runs of each side.")] = 8,
+    most_rounds: Annotated[
+        int, typer.Option(min=1, help="More rounds, up to these, if wall time is unclear.")
+    ] = 24,
+    self_test: Annotated[
+        bool,
+        typer.Option("--self-test", help="Base against base: this machine's false-alarm rates."),
+    ] = False,
+    comparisons: Annotated[
+        int, typer.Option(min=1, help="Of the self-test; each runs base and new in rounds.")
+    ] = 10,
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")
+    ] = None,
+    write_baseline: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the runs of BASE as a baseline to commit."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Hold runs against earlier ones: simulated time and work exactly, wall time with care.
+
+    Names the cause of a change in one sentence.
+    """
+    from scenarios.regressing import Asked, regress_command
+
+    raise typer.Exit(
+        regress_command(
+            Asked(
+                sides=tuple(sides or ()),
+                tolerance=tolerance / 100.0,
+                wall=wall,
+                measure=measure,
+                changes=tuple(change or ()),
+                rounds=rounds,
+                most_rounds=most_rounds,
+                self_test=self_test,
+                comparisons=comparisons,
+                junit=junit,
+                write_baseline=write_baseline,
+                as_json=as_json,
+            )
+        )
+    )
+
+
+@app.command(
+    "map",
+    epilog="Examples: `waywiser map building.yaml`; "
+    "`waywiser map building.yaml --picture found.svg --scenario found.toml`, then correct "
+    "found.toml by hand and `waywiser launch found.toml --in-process`; "
+    "`waywiser map building.yaml --doors doors.yaml --door-stub 6`; "
+    "`waywiser map corrected.log.gz --plan built.yaml`. Exit status: 0 good, 2 bad input.",
+)
+def map_plan(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MAP",
+            help="A ROS map_server map (.yaml), or a CARMEN log with corrected poses "
+            "(.log, .log.gz), of which a plan is built first.",
+        ),
+    ],
+    picture: Annotated[
+        Path | None, typer.Option(metavar="SVG", help="Also draw what was found over the plan.")
+    ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option(metavar="TOML", help="Also write a scenario ready to launch.")
+    ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(metavar="YAML", help="Also write the plan as a map: YAML, with a PGM beside."),
+    ] = None,
+    door_stub: Annotated[
+        float,
+        typer.Option(metavar="M", help="Ways that lead nowhere are doors or rooms up to so far."),
+    ] = 10.0,
+    doors: Annotated[
+        Path | None, typer.Option(metavar="YAML", help="Doors to close: a BWI doors.yaml.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Survey a floor plan: junctions, corridors, widths, grid lines.
+
+    Turns the building upright and says how far its junctions lie from the lines.
+    """
+    from scenarios.surveying import map_command
+
+    raise typer.Exit(map_command(source, picture, scenario, plan, door_stub, doors, as_json))
+
+
+@app.command(
+    epilog="Example: `waywiser diff base.mcap new.mcap`. "
+    "Exit status: 0 equal, 1 they differ, 2 bad input, "
+    "3 a log is cut off and nothing differs in what is there."
+)
+def diff(
+    base: Annotated[Path, typer.Argument(metavar="LOG", help="Log of the run as it was.")],
+    new: Annotated[Path, typer.Argument(metavar="LOG", help="Log of the run as it is now.")],
+    as_json: Json = False,
+) -> None:
+    """Say where two runs part: the first event that differs, who said it, what followed."""
+    from scenarios.diffing import diff_command
+
+    raise typer.Exit(diff_command(base, new, as_json))
+
+
+@app.command(
+    epilog="Examples: `waywiser replay run.mcap --module decider`; "
+    "`waywiser replay run.mcap --module decider --pdb --until 812.5` debugs the first handler "
+    "from 812.5 s on. "
+    "Exit status: 0 it says the same, 1 it does not, 2 bad input, "
+    "3 the log is not whole and nothing differs in what is there."
+)
+def replay(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Log of a run, whole or cut off.")],
+    module: Annotated[str, typer.Option(help="Which one: decider, say.")],
+    until: Annotated[
+        float | None,
+        typer.Option(
+            min=0, metavar="T", help="Stop before T, in simulated seconds; with --pdb, break there."
+        ),
+    ] = None,
+    pdb: Annotated[
+        bool,
+        typer.Option("--pdb", help="Break into pdb at the first difference, exception, or at T."),
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Feed one module what it heard, and compare what it says with the log, bit for bit.
+
+    The module is the one of the working tree: try a change on an old log.
+    """
+    from scenarios.replaying import replay_command
+
+    raise typer.Exit(replay_command(log, module, until, pdb, as_json))
+
+
 @calibrate.command(
-    "detectors", epilog="Example: `waywiser calibrate detectors --trials 200 --out rough.json`."
+    "detectors",
+    epilog="Examples: `waywiser calibrate detectors --trials 200 --out a.json --html a.html`; "
+    "`waywiser calibrate detectors --scenario aces --set world.sonar.specular_limit_deg=42 "
+    "--out plaster.json`, then `waywiser launch aces --set world.sonar.specular_limit_deg=42 "
+    "--set modules.classifier.sensor_model=plaster.json`. "
+    "Exit status: 0 good, 2 bad input, 3 stopped; the same command then goes on.",
 )
 def calibrate_detectors(
     trials: Annotated[int, typer.Option(min=1, help="Random junctions to try.")] = 4000,
@@ -136,11 +318,26 @@ def calibrate_detectors(
     out: Annotated[
         Path | None, typer.Option(help="Default: the file the classifier loads.")
     ] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Also write the report as one HTML page.")
+    ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="With the sonar ring of this scenario.")
+    ] = None,
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a key of that scenario."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; default one a core. Same counts.")
+    ] = None,
+    as_json: Json = False,
 ) -> None:
-    """Determine Pr(S|X) by simulated trials of every detector."""
-    from scenarios.calibrating import detectors_command
+    """Determine Pr(S|X) by simulated trials of every detector; report curves and Brier scores."""
+    from scenarios.calibrating import DetectorTrials, detectors_command
 
-    raise typer.Exit(detectors_command(trials, seed, out))
+    asked = DetectorTrials(trials, seed, out, html, scenario, tuple(change or ()), workers, as_json)
+    raise typer.Exit(detectors_command(asked))
 
 
 @calibrate.command(

@@ -9,7 +9,7 @@ import pytest
 
 from simworld.building import build
 from simworld.floor_plan import Cells, FloorPlan
-from simworld.keeping import BUMPER_M, in_the_middle, off_the_walls
+from simworld.keeping import BUMPER_M, in_the_middle, room_beside
 from simworld.motion import Pose
 
 RESOLUTION_M = 0.05
@@ -40,16 +40,21 @@ def test_a_box_in_the_way_is_not_what_the_reflex_avoids() -> None:
     assert abs(in_the_middle(plan_of(-0.9, 0.9, box=True), Pose(10.0, 0.0, 0.0)).y_m) < 0.15
 
 
-def test_aside_it_stops_before_the_wall() -> None:
-    narrow = plan_of(-0.7, 0.7)
-    for left_m in (0.65, -0.65):
-        there = off_the_walls(narrow, Pose(10.0, 0.0, 0.0), left_m)
-        assert math.copysign(1.0, there.y_m) == math.copysign(1.0, left_m)
-        assert 0.3 <= abs(there.y_m) <= 0.7 - BUMPER_M + RESOLUTION_M + 1e-9
-    assert off_the_walls(plan_of(-1.0, 1.0), Pose(10.0, 0.0, 0.0), 0.65).y_m == 0.65
+def test_aside_there_is_room_up_to_the_bumper() -> None:
+    middle = Pose(10.0, 0.0, 0.0)
+    for low_m, high_m in ((-0.7, 0.7), (-0.9, 0.55)):
+        left_m, right_m = room_beside(plan_of(low_m, high_m), middle)
+        assert left_m == pytest.approx(high_m - BUMPER_M, abs=RESOLUTION_M + 1e-9)
+        assert right_m == pytest.approx(-low_m - BUMPER_M, abs=RESOLUTION_M + 1e-9)
+
+
+def test_beside_a_box_there_is_room_behind_its_sides() -> None:
+    left_m, right_m = room_beside(plan_of(-0.9, 0.9, box=True), Pose(10.0, 0.0, 0.0))
+    assert left_m == right_m == pytest.approx(0.9 - BUMPER_M, abs=RESOLUTION_M + 1e-9)
+    assert room_beside(plan_of(-0.2, 0.2), Pose(10.0, 0.0, 0.0)) == (0.0, 0.0)
 
 
 def test_a_building_of_straight_corridors_is_left_as_it_is() -> None:
     pose = Pose(10.0, 0.0, 0.0)
     assert in_the_middle(CORRIDOR, pose) is pose
-    assert off_the_walls(CORRIDOR, pose, 0.65) == pose.beside(0.65)
+    assert room_beside(CORRIDOR, pose) == pytest.approx((0.7, 0.7))
