@@ -10,20 +10,26 @@ alone, never on how many workers share them.
 from __future__ import annotations
 
 import math
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from functools import partial
+from itertools import chain
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bus.features import FEATURES, WEDGES
 from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, OPPOSITE, SOUTH, WEST, Grid
-from modules.classifier.geometry import FEATURES, WEDGES, features_present
-from modules.classifier.sensor_model import SHAPE, SensorModel
+from modules.classifier.geometry import features_present
+from modules.classifier.sensor_model import SensorModel
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
 from modules.detectors.interpret import interpret
+from scenarios.calibration_kept import Kept
+from scenarios.detector_tally import Tally, empty_tally
 from simworld.building import Building, build
 from simworld.motion import Pose
 from simworld.sonar import SonarRing, echoes
@@ -57,6 +63,7 @@ RING = SonarRing()
 """What the trials are run with unless another is given."""
 
 TRIALS_A_TASK = 25
+COMMAND = "waywiser calibrate detectors"
 
 _HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
@@ -72,28 +79,54 @@ def calibrate(
     progress: Callable[[int], None] | None = None,
     ring: SonarRing = RING,
 ) -> SensorModel:
-    """Run the trials and count evidence classes by the truth of X.
+    """Run the trials and count evidence classes by the truth of X. Raises CalibrationError."""
+    return model_of(run_trials(trials, seed, workers, progress, ring), trials, seed, ring)
 
-    ``progress`` hears how many trials are done. Raises CalibrationError for no trials or workers.
+
+def run_trials(
+    trials: int,
+    seed: int,
+    workers: int = 1,
+    progress: Callable[[int], None] | None = None,
+    ring: SonarRing = RING,
+    kept: Kept | None = None,
+) -> Tally:
+    """The sums over all trials, those that were kept taken as they are.
+
+    ``progress`` hears how many trials are done. Raises CalibrationError for no trials or workers,
+    KeptError for the kept part of another calibration, OSError where it cannot be written.
     """
     if trials < 1 or workers < 1:
         raise CalibrationError(
             f"expected at least one trial and one worker, got {trials} and {workers}"
         )
     tasks = [range(k, min(k + TRIALS_A_TASK, trials)) for k in range(0, trials, TRIALS_A_TASK)]
-    counts = np.zeros(SHAPE, dtype=np.int64)
-    done = 0
-    for task, counted in zip(tasks, _run(tasks, seed, workers, ring), strict=True):
-        counts += counted
-        done += len(task)
+    before = kept.done() if kept is not None else []
+    total = empty_tally()
+    for number, tally in enumerate(chain(before, _run(tasks[len(before) :], seed, workers, ring))):
+        if kept is not None and number >= len(before):
+            kept.keep(tally)
+        total = total.plus(tally)
         if progress is not None:
-            progress(done)
+            progress(tasks[number].stop)
+    return total
+
+
+def model_of(
+    tally: Tally, trials: int, seed: int, ring: SonarRing = RING, options: Sequence[str] = ()
+) -> SensorModel:
+    """The model that the classifier loads; ``options`` are what else the command was given."""
     return SensorModel(
-        counts=counts,
+        counts=tally.counts,
         durations_s=durations_s(),
         ring={key: float(value) for key, value in asdict(ring).items()},
-        made_by=f"waywiser calibrate detectors --trials {trials} --seed {seed}",
+        made_by=" ".join([COMMAND, f"--trials {trials} --seed {seed}", *options]),
     )
+
+
+def kept_part(path: Path, trials: int, seed: int, ring: SonarRing = RING) -> Kept:
+    """The finished part of this calibration, kept in a file."""
+    return Kept(path, {"trials": trials, "seed": seed, "ring": asdict(ring)})
 
 
 def durations_s() -> NDArray[np.float64]:
@@ -119,27 +152,32 @@ def share_right(model: SensorModel) -> NDArray[np.float64]:
     return np.where(total > 0, right / np.maximum(total, 1), np.nan)
 
 
-def _run(
-    tasks: Sequence[range], seed: int, workers: int, ring: SonarRing
-) -> Iterator[NDArray[np.int64]]:
-    """Counts of each task, in order."""
+def _run(tasks: Sequence[range], seed: int, workers: int, ring: SonarRing) -> Iterator[Tally]:
+    """The tally of each task, in order."""
     count = partial(_count, seed=seed, ring=ring)
-    if workers == 1:
+    if workers == 1 or len(tasks) < 2:
         yield from map(count, tasks)
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), _leave_ctrl_c_to_the_parent)
+    try:
         yield from pool.map(count, tasks)
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
-def _count(task: range, seed: int, ring: SonarRing) -> NDArray[np.int64]:
-    counts = np.zeros(SHAPE, dtype=np.int64)
+def _leave_ctrl_c_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _count(task: range, seed: int, ring: SonarRing) -> Tally:
+    total = empty_tally()
     for number in task:
-        counts += trial(np.random.default_rng([seed, number]), ring)
-    return counts
+        total = total.plus(trial(np.random.default_rng([seed, number]), ring))
+    return total
 
 
-def trial(rng: np.random.Generator, ring: SonarRing) -> NDArray[np.int64]:
-    """Counts of one trial: a one for every detector, at the truth of X and the class it found."""
+def trial(rng: np.random.Generator, ring: SonarRing) -> Tally:
+    """One trial: what every detector found, beside the truth of X."""
     heading = int(rng.choice(DIRECTIONS))
     types = [j for j in range(JUNCTION_TYPES) if j & OPPOSITE[heading]]
     junction_type = int(rng.choice(types))
@@ -152,14 +190,14 @@ def trial(rng: np.random.Generator, ring: SonarRing) -> NDArray[np.int64]:
         askew_rad=float(rng.uniform(-HEADING_RAD, HEADING_RAD)),
     )
     truth = features_present(junction_type, heading).astype(np.int64)
-    counts = np.zeros(SHAPE, dtype=np.int64)
+    tally = empty_tally()
     offsets_rad = np.array(ping_offsets_rad())
     for f in range(len(FEATURES)):
         for w in range(WEDGES):
             ranges_m = act(plan(f, w, NOMINAL_WIDTH_M), start, building, ring, rng)
             found = interpret(f, w, ranges_m, offsets_rad, NOMINAL_WIDTH_M)
-            counts[f, w, truth[f, w], found.evidence] += 1
-    return counts
+            tally.note(f, w, int(truth[f, w]), found.evidence, found.probability)
+    return tally
 
 
 def junction(junction_type: int, width_m: float) -> Building:

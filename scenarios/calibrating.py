@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -11,24 +13,95 @@ from rich.progress import Progress
 
 from modules.classifier.sensor_model import SHIPPED
 from scenarios.calibrate_compute import calibrate_compute
-from scenarios.calibrate_detectors import calibrate
-from scenarios.commands import BAD_INPUT, GOOD
+from scenarios.calibrate_detectors import RING, kept_part, model_of, run_trials
+from scenarios.calibration_kept import KeptError
+from scenarios.calibration_report import as_object, page, show
+from scenarios.commands import BAD_INPUT, GOOD, INCONCLUSIVE
 from scenarios.costs import HOST_FILE
+from scenarios.detector_tally import Tally
+from scenarios.say import refuse
 from scenarios.scenario import ScenarioError, find, load
+from simworld.settings import ring_of
+from simworld.sonar import SonarError, SonarRing
 
 
-def detectors_command(trials: int, seed: int, out: Path | None) -> int:
+@dataclass(frozen=True)
+class DetectorTrials:
+    """What the user asked for; ``workers`` None means every core, ``out`` the shipped file."""
+
+    trials: int
+    seed: int
+    out: Path | None = None
+    html: Path | None = None
+    scenario: str | None = None
+    change: tuple[str, ...] = ()
+    workers: int | None = None
+    as_json: bool = False
+
+
+def detectors_command(asked: DetectorTrials) -> int:
     """Carry out ``waywiser calibrate detectors``."""
-    path = out or SHIPPED
-    workers = len(os.sched_getaffinity(0))
-    with Progress(console=Console(stderr=True)) as bar:
-        task = bar.add_task("trials", total=trials)
+    path = asked.out or SHIPPED
+    partly = path.with_name(path.name + ".part")
+    try:
+        ring = _ring(asked)
+        _check_writable(path, "--out")
+        if asked.html is not None:
+            _check_writable(asked.html, "--html")
+        tally = _tally(asked, ring, partly)
+        model = model_of(tally, asked.trials, asked.seed, ring, _options(asked))
+        path.write_text(model.as_json(), encoding="utf-8")
+        if asked.html is not None:
+            asked.html.write_text(page(model, tally), encoding="utf-8")
+        partly.unlink()
+    except KeyboardInterrupt:
+        again = f"{partly} keeps what is done; the same command goes on from there"
+        return refuse(f"stopped: {again}", INCONCLUSIVE, as_json=asked.as_json)
+    except (KeptError, ScenarioError, SonarError) as error:
+        return refuse(error, BAD_INPUT, as_json=asked.as_json)
+    except OSError as error:
+        said = f"{error.filename}: cannot be written ({error.strerror})"
+        return refuse(said, BAD_INPUT, as_json=asked.as_json)
+    if asked.as_json:
+        print(json.dumps({"written": str(path), **as_object(model, tally)}))
+    else:
+        show(model, tally, Console())
+        print(f"written: {path}")
+    return GOOD
 
-        def show(done: int) -> None:
+
+def _tally(asked: DetectorTrials, ring: SonarRing, partly: Path) -> Tally:
+    workers = asked.workers or len(os.sched_getaffinity(0))
+    kept = kept_part(partly, asked.trials, asked.seed, ring)
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task("trials", total=asked.trials)
+
+        def tell(done: int) -> None:
             bar.update(task, completed=done)
 
-        model = calibrate(trials, seed, workers, show)
-    return _write(path, model.as_json())
+        return run_trials(asked.trials, asked.seed, workers, tell, ring, kept)
+
+
+def _ring(asked: DetectorTrials) -> SonarRing:
+    """The ring of a scenario, or the usual one. Raises ScenarioError and SonarError."""
+    if asked.scenario is None:
+        if asked.change:
+            raise ScenarioError("--set: found without --scenario, expected a scenario to change")
+        return RING
+    return ring_of(load(find(asked.scenario), asked.change).world.sonar)
+
+
+def _options(asked: DetectorTrials) -> list[str]:
+    """The options that tell which ring it was."""
+    named = [] if asked.scenario is None else [f"--scenario {asked.scenario}"]
+    return named + [f"--set {change}" for change in asked.change]
+
+
+def _check_writable(path: Path, option: str) -> None:
+    """Now, not after minutes of trials. Raises ScenarioError."""
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        found = "a folder" if path.is_dir() else "no such folder"
+        raise ScenarioError(f"{option} {path}: found {found}, expected a file to write")
 
 
 def compute_command(name: str, out: Path | None) -> int:

@@ -7,7 +7,7 @@ since when, and for which decision, is known, so that the ledger can tell how lo
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Hashable
+from collections.abc import Callable, Generator, Hashable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -54,6 +54,7 @@ class Robot:
         speaker: Speaker,
         mail: Mailbox,
         speed_m_s: float,
+        stands: Callable[[], None],
     ) -> None:
         self._env = env
         self._building = building
@@ -65,6 +66,7 @@ class Robot:
         self._say = speaker.say
         self._mail = mail
         self._speed_m_s = speed_m_s
+        self._stands = stands
         self.visit = 0
         self.place = 0
         self.heading = 0
@@ -169,6 +171,7 @@ class Robot:
         if not self._mail.has((kind, *about)):
             if self.stands_since_ns is None:
                 self.stands_since_ns = self._now_ns
+                self._stands()
             self._waits_for = kind
             yield self._mail.wait((kind, *about))
             self._waits_for = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, TypeAlias
 
 import msgspec
@@ -9,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bus.grid import Grid
-from simworld.building import BuildingError, random_connected
+from simworld.building import Building, BuildingError, random_connected
+from simworld.fittings import Clutter, Doorway, Side
+from simworld.sonar import SonarRing
 
 Positive: TypeAlias = Annotated[float, msgspec.Meta(gt=0, le=1e9)]
 NotNegative: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1e9)]
@@ -41,7 +44,7 @@ class Enters(_Settings, frozen=True):
     """When somebody steps into the robot's corridor, and how far ahead of it.
 
     At the first moment from ``at_s`` on at which the robot drives a corridor (``corridor``, as
-    "0,0-1,0", if given) that still has so much way ahead.
+    "0,0-1,0", if given) that still has so much way ahead, with room for two abreast.
     """
 
     at_s: NotNegative
@@ -50,20 +53,90 @@ class Enters(_Settings, frozen=True):
 
 
 class PersonSettings(_Settings, frozen=True):
-    """Somebody who walks towards the robot, or a thing put down (``walks_m_s = 0``)."""
+    """Somebody who walks towards the robot, or a thing put down (``walks_m_s = 0``).
+
+    A cart is broad (``radius_m`` of 0.35, say), slow, and does not yield.
+    """
 
     enters: Enters
     walks_m_s: NotNegative = 1.3
     offset_m: float = 0.0
     yields: bool = True
+    radius_m: Annotated[float, msgspec.Meta(gt=0, le=1.0)] = 0.25
     appears: Literal["ahead", "left door", "right door"] = "ahead"
 
 
-class SonarSettings(_Settings, frozen=True):
-    """The ring, as far as a scenario may change it."""
+class DoorSettings(_Settings, frozen=True):
+    """A door that opens into the robot's corridor, hinged ``enters.ahead_m`` ahead."""
 
+    enters: Enters
+    side: Literal["left", "right"] = "left"
+    leaf_m: Annotated[float, msgspec.Meta(gt=0, le=2.0)] = 0.8
+    stays_s: NotNegative = 8.0
+
+
+class FalseEchoSettings(_Settings, frozen=True):
+    """Some transducers hear the pings of others for a while: too short, a ``share`` of readings.
+
+    ``transducers`` are numbered counter-clockwise, 0 straight ahead.
+    """
+
+    at_s: NotNegative
+    lasts_s: Positive = 5.0
+    transducers: tuple[Annotated[int, msgspec.Meta(ge=0, le=23)], ...] = (0,)
+    share: Share = 0.8
+
+
+class DoorwaySettings(_Settings, frozen=True):
+    """A doorway in the wall of a corridor, as in :class:`simworld.fittings.Doorway`.
+
+    ``corridor`` is a pair of intersections; places along it are from the first of them.
+    """
+
+    corridor: tuple[Place, Place]
+    at_m: NotNegative
+    side: Literal["left", "right"] = "left"
+    width_m: Positive = 0.9
+    depth_m: Positive = 0.15
+
+
+class ClutterSettings(_Settings, frozen=True):
+    """A box that stands in a corridor, as in :class:`simworld.fittings.Clutter`."""
+
+    corridor: tuple[Place, Place]
+    at_m: NotNegative
+    left_m: float
+    length_m: Positive = 0.6
+    width_m: Positive = 0.4
+
+
+class SonarSettings(_Settings, frozen=True):
+    """The ring; where each figure comes from says :class:`simworld.sonar.SonarRing`."""
+
+    transducers: Annotated[int, msgspec.Meta(ge=1, le=360)] = 24
+    half_angle_deg: Annotated[float, msgspec.Meta(gt=0, le=60)] = 15.0
+    nearest_m: NotNegative = 0.15
+    farthest_m: Positive = 10.7
+    noise_share: Share = 0.01
+    noise_m: NotNegative = 0.01
+    specular_limit_deg: Annotated[float, msgspec.Meta(ge=0, lt=90)] = 22.5
     dropout: Share = 0.02
     cross_talk: Share = 0.01
+
+
+def ring_of(settings: SonarSettings) -> SonarRing:
+    """The ring of a scenario. Raises SonarError for figures that do not go together."""
+    return SonarRing(
+        transducers=settings.transducers,
+        half_angle_rad=math.radians(settings.half_angle_deg),
+        nearest_m=settings.nearest_m,
+        farthest_m=settings.farthest_m,
+        noise_share=settings.noise_share,
+        noise_m=settings.noise_m,
+        specular_limit_rad=math.radians(settings.specular_limit_deg),
+        dropout=settings.dropout,
+        cross_talk=settings.cross_talk,
+    )
 
 
 class ErrandSettings(_Settings, frozen=True, rename={"start": "from", "goal": "to"}):
@@ -95,6 +168,10 @@ class WorldSettings(_Settings, frozen=True):
     patience_s: Positive = 600.0
     until_s: Positive = 86_400.0
     person: tuple[PersonSettings, ...] = ()
+    door: tuple[DoorSettings, ...] = ()
+    false_echo: tuple[FalseEchoSettings, ...] = ()
+    doorway: tuple[DoorwaySettings, ...] = ()
+    clutter: tuple[ClutterSettings, ...] = ()
     sonar: SonarSettings = SonarSettings()
 
 
@@ -109,6 +186,35 @@ def corridors_of(settings: WorldSettings, rng: np.random.Generator) -> NDArray[n
     for k, (a, b) in enumerate(settings.corridors):
         present[corridor_between(grid, a, b, f"world.corridors[{k}]")] = 1
     return present
+
+
+def fittings_of(settings: WorldSettings, building: Building) -> tuple[list[Doorway], list[Clutter]]:
+    """Doorways and clutter, seen from the south or west end of their corridors.
+
+    Raises BuildingError for a pair that is no corridor of the grid.
+    """
+    doorways, boxes = [], []
+    for k, door in enumerate(settings.doorway):
+        corridor, at_m, turned = _along(building, door.corridor, door.at_m, f"doorway[{k}]")
+        side = OTHER_SIDE[door.side] if turned else door.side
+        doorways.append(Doorway(corridor, at_m, side, door.width_m, door.depth_m))
+    for k, box in enumerate(settings.clutter):
+        corridor, at_m, turned = _along(building, box.corridor, box.at_m, f"clutter[{k}]")
+        left_m = -box.left_m if turned else box.left_m
+        boxes.append(Clutter(corridor, at_m, left_m, box.length_m, box.width_m))
+    return doorways, boxes
+
+
+OTHER_SIDE: dict[str, Side] = {"left": "right", "right": "left"}
+
+
+def _along(
+    building: Building, pair: tuple[Place, Place], at_m: float, key: str
+) -> tuple[int, float, bool]:
+    """The corridor, the place along it from its first end, and whether the pair turns it about."""
+    corridor = corridor_between(building.grid, *pair, f"{key}.corridor")
+    turned = pair[0] != building.grid.place(building.grid.ends(corridor)[0])
+    return corridor, building.length_m(corridor) - at_m if turned else at_m, turned
 
 
 def corridor_between(grid: Grid, a: Place, b: Place, key: str) -> int:

@@ -22,7 +22,7 @@ from bus.messages import (
     SensingDecision,
     TrueBuilding,
 )
-from bus.topics import WORLD
+from bus.topics import MODULES, WORLD
 from bus.wire import MessageId, Sent
 from simworld.body import Body
 from simworld.building import Building
@@ -31,8 +31,8 @@ from simworld.encounters import Coming, Encounters
 from simworld.errands import Errand, ErrandQueue
 from simworld.people import Body as CorridorBody
 from simworld.robot import Robot
-from simworld.settings import WorldSettings
-from simworld.sonar import SonarRing, Surroundings
+from simworld.settings import WorldSettings, ring_of
+from simworld.sonar import Surroundings
 from simworld.travel import Senses, Travel
 from simworld.voice import Mailbox, Outlet, Speaker
 
@@ -71,6 +71,7 @@ class World:
         self._env = env
         self._plan = plan
         self._decided_by = decided_by
+        self._why_late = why_late
         self._speaker = Speaker(env, outlet, WORLD)
         self._mail = Mailbox(env)
         self.ended = env.event()
@@ -88,9 +89,9 @@ class World:
     def _build_robot(self, seed: int) -> None:
         plan, settings = self._plan, self._plan.settings
         body_rng = np.random.default_rng([seed, 1])
-        ring = SonarRing(dropout=settings.sonar.dropout, cross_talk=settings.sonar.cross_talk)
+        ring = ring_of(settings.sonar)
         body = Body(ring, plan.surroundings, settings.speed_m_s, body_rng)
-        senses = Senses(self._env, body, self._speaker)
+        senses = Senses(self._env, body, self._speaker, ring, settings.false_echo)
         self.encounters = Encounters(
             plan.people, ring.farthest_m, self.deadlines, self._speaker.say
         )
@@ -116,6 +117,7 @@ class World:
             self._speaker,
             self._mail,
             settings.speed_m_s,
+            self._stands,
         )
 
     def start(self) -> None:
@@ -152,18 +154,22 @@ class World:
         self.end(f"process {how}: {process}")
 
     def _missed(self, process: str, cause: str) -> None:
-        """After a miss: nobody can wait for a process that is gone, nor for ever."""
+        """After a miss: nobody can wait for a process that is gone."""
         if cause == "process down":
             self.end(f"process down: {process}")
-            return
-        patience_ns = round(self._plan.settings.patience_s * 1e9)
-        alarm = self._env.timeout(patience_ns)
-        alarm.callbacks.append(lambda _: self._if_stuck(patience_ns))
 
-    def _if_stuck(self, patience_ns: int) -> None:
+    def _stands(self) -> None:
+        """The robot begins to wait for what it was not told: not for ever."""
+        alarm = self._env.timeout(round(self._plan.settings.patience_s * 1e9))
+        alarm.callbacks.append(lambda _: self._if_stuck())
+
+    def _if_stuck(self) -> None:
+        patience_ns = round(self._plan.settings.patience_s * 1e9)
         since_ns = self.robot.stands_since_ns
-        if since_ns is not None and int(self._env.now) - since_ns >= patience_ns:
-            self.end("stuck")
+        if since_ns is None or int(self._env.now) - since_ns < patience_ns:
+            return
+        down = [name for name in MODULES if self._why_late(name) == "process down"]
+        self.end(f"process down: {down[0]}" if down else "stuck")
 
     def take_turn(self, grant: Grant, heard: tuple[Sent, ...]) -> Done:
         """Take in what the modules said. It costs nothing: the world does not compute."""
@@ -175,7 +181,7 @@ class World:
 
     def _sensing(self, sent: Sent) -> None:
         said = _as(SensingDecision, sent)
-        self._settle("sensing", said.decision, sent.id, len(said.next_detector))
+        self._settle("sensing", said.decision, sent.id, said.look_ahead)
         self._mail.put(("sensing", said.visit, said.action), said)
 
     def _path(self, sent: Sent) -> None:
@@ -191,7 +197,7 @@ class World:
         said = _as(ReactionDecision, sent)
         acts = len(said.expected_utility)
         self.encounters.decided(self._decided_by(sent.id), acts, said.fired_ns)
-        self._travel.react(said.act)
+        self._travel.react(said.act, said.aside_m)
 
     def _motion(self, sent: Sent) -> None:
         said = _as(Motion, sent)

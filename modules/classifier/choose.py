@@ -2,7 +2,9 @@
 
 A sensing action takes thirty seconds to a minute, and its outcome is not known yet, so the
 choice is contingent: one next detector for every evidence class the running one may find.
-Each is the detector with the most expected information about J per second.
+Each is the detector that the best plan of a few tests begins with, in expected seconds: the
+time of the tests and what a wrong conclusion costs (:mod:`modules.classifier.worth`). Where no
+plan saves anything, sensing stops with the conclusion of least expected cost.
 """
 
 from __future__ import annotations
@@ -13,49 +15,59 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.grid import JUNCTION_TYPES
-from modules.classifier.geometry import DETECTORS, heading_number
+from bus.features import DETECTORS
+from bus.grid import DIRECTIONS, JUNCTION_TYPES
+from modules.classifier.geometry import enterable, heading_number
 from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood, once_each
-from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel, entropy_nats
+from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
+from modules.classifier.worth import (
+    DECIMALS,
+    LOOK_AHEAD,
+    Best,
+    Detectors,
+    best_test,
+    most_cells,
+)
 
 STOP = -1
 """In place of a next detector: conclude, no detector is worth its time."""
 
-DECIMALS = 12
-"""Information is rounded to so many decimals: what differs only by the order of additions
-is a tie, broken by the lowest code, whatever the machine."""
-
-
-SMALLEST = float(np.nextafter(0.0, 1.0))
-"""Stopping is worth at least this, in nats per second: no information is never worth a test."""
+WRONG_TYPE_S = 100_000.0
+"""What concluding a wrong type costs, in seconds (assumption): a conclusion stays in the map and
+is not tested again, so it costs two corridors of four minutes, to a wall and back, in each of some
+two hundred later errands. Where the robot meets surfaces unlike those of its calibration, this is
+also what makes it test a surprising reading once more."""
 
 
 class PriorError(ValueError):
     """A prior that is no distribution over the 16 types, or that the readings contradict."""
 
 
-@dataclass(frozen=True)
-class ChoiceSettings:
-    """How much information a second of sensing must bring for sensing to go on."""
-
-    worth_nats_per_s: float = 0.0002
+class CostError(ValueError):
+    """Costs of conclusions that no decision can be made by."""
 
 
 @dataclass(frozen=True, eq=False)
 class Choice:
     """What to do next, by the evidence class of the running detector (one row if none runs).
 
-    ``next_detector`` is a code or STOP; ``concluded_type`` the most probable type given that
-    outcome; ``information_nats`` the expected information of the next detector (0 for STOP);
-    ``belief`` is P(J|prior, readings, outcome), (outcomes, 16); ``cells`` the table entries
-    touched.
+    ``next_detector`` is a code or STOP; ``concluded_type`` the conclusion of least expected cost
+    given that outcome; ``worth_s`` the expected seconds saved by testing on (0 for STOP);
+    ``belief`` is P(J|prior, readings, outcome), (outcomes, 16); plans held at most
+    ``look_ahead`` tests; ``cells`` counts the table entries touched.
     """
 
     next_detector: NDArray[np.int64]
     concluded_type: NDArray[np.int64]
-    information_nats: NDArray[np.float64]
+    worth_s: NDArray[np.float64]
     belief: NDArray[np.float64]
+    look_ahead: int
     cells: int
+
+
+def flat_cost_s(wrong_type_s: float = WRONG_TYPE_S) -> NDArray[np.float64]:
+    """The same cost for every wrong conclusion: (concluded types, true types)."""
+    return wrong_type_s * (1.0 - np.eye(JUNCTION_TYPES))
 
 
 def choose(
@@ -64,48 +76,145 @@ def choose(
     running: int | None,
     heading: int,
     model: SensorModel,
-    settings: ChoiceSettings = ChoiceSettings(),
+    cost_s: NDArray[np.float64],
+    look_ahead: int,
 ) -> Choice:
     """The best next detector for every outcome of the running one.
 
-    ``prior`` is pi(J), (16,), any positive scale. A detector is used at most once a visit.
-    Raises PriorError, HeadingError, and ReadingError where a detector is used twice.
+    ``prior`` is pi(J), (16,), any positive scale. ``cost_s``, (concluded types, true types), is
+    what a conclusion costs the decisions made by it; only differences for the same true type
+    matter. A plan holds at most ``look_ahead`` tests, each detector at most once a visit.
+    Raises PriorError, CostError, HeadingError, and ReadingError where a detector is used twice.
     """
-    free = _free_detectors(readings, running)
-    number = heading_number(heading)
-    belief = _beliefs(prior, readings, running, heading, model)
-    information = _information(
-        belief,
-        model.class_given_type[number, free],
-        model.class_entropy_given_type[number, free],
-    )
-    codes = np.append(free, STOP)
-    information = np.pad(information, ((0, 0), (0, 1)))
-    rate_nats_per_s = information / np.append(model.duration_by_detector_s[free], np.inf)
-    rate_nats_per_s[:, -1] = max(settings.worth_nats_per_s, SMALLEST)
-    best = rate_nats_per_s.argmax(axis=1)
-    return Choice(
-        next_detector=codes[best],
-        concluded_type=belief.argmax(axis=1),
-        information_nats=information[np.arange(len(belief)), best],
+    _check_look_ahead(look_ahead)
+    problem = problem_of(prior, readings, running, heading, model, cost_s)
+    found = [problem.best(outcome, look_ahead) for outcome in range(len(problem.belief))]
+    return problem.choice(found, look_ahead)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What a choice rests on, made once for all outcomes of the running detector.
+
+    ``belief`` as in :class:`Choice` and ``chance``, (outcomes,), the probability of each outcome;
+    ``entered`` (16,) the types with the corridor behind, ``regret_s`` by two of them what a
+    conclusion costs more than the best; ``codes`` names the rows of ``detectors``, ``barred`` has
+    a bit for each that is used up; ``readings`` is how many there are.
+    """
+
+    belief: NDArray[np.float64]
+    chance: NDArray[np.float64]
+    entered: NDArray[np.bool_]
+    regret_s: NDArray[np.float64]
+    codes: NDArray[np.int64]
+    detectors: Detectors
+    barred: int
+    readings: int
+
+    def best(self, outcome: int, look_ahead: int) -> Best:
+        """The best next test after an outcome, by plans of at most so many tests."""
+        belief = self.belief[outcome, self.entered]
+        return best_test(belief, self.regret_s, self.detectors, self.barred, look_ahead)
+
+    def choice(self, found: Sequence[Best], look_ahead: int) -> Choice:
+        """What was found for each outcome, told by detector codes and types."""
+        expected_s = (self.belief[:, None, self.entered] * self.regret_s).sum(axis=2)
+        concluded = np.round(expected_s, DECIMALS).argmin(axis=1)
+        return Choice(
+            next_detector=np.append(self.codes, STOP)[[best.row for best in found]],
+            concluded_type=np.flatnonzero(self.entered)[concluded],
+            worth_s=np.array([best.saved_s for best in found]),
+            belief=self.belief,
+            look_ahead=look_ahead,
+            cells=self.cells_of_beliefs + sum(best.cells for best in found),
+        )
+
+    @property
+    def cells_of_beliefs(self) -> int:
+        """Table entries touched to find the belief after each outcome."""
+        return _cells_of_beliefs(self.readings, len(self.belief))
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which detectors may still be used, by row."""
+        return np.array([not self.barred >> k & 1 for k in range(len(self.codes))], dtype=np.bool_)
+
+
+def problem_of(
+    prior: NDArray[np.float64],
+    readings: Sequence[Reading],
+    running: int | None,
+    heading: int,
+    model: SensorModel,
+    cost_s: NDArray[np.float64],
+) -> Problem:
+    """The problem of a choice; arguments and errors as for :func:`choose`."""
+    used = _used(readings, running)
+    belief, chance = _beliefs(prior, readings, running, heading, model)
+    _check_cost(cost_s)
+    entered = enterable(heading)
+    cost_entered_s = cost_s[np.ix_(entered, entered)]
+    codes, detectors = model.informative[heading_number(heading)]
+    return Problem(
         belief=belief,
-        cells=cells_before(len(readings), running is not None),
+        chance=chance,
+        entered=entered,
+        regret_s=cost_entered_s - cost_entered_s.min(axis=0),
+        codes=codes,
+        detectors=detectors,
+        barred=sum(1 << k for k, code in enumerate(codes.tolist()) if code in used),
+        readings=len(readings),
     )
 
 
-def cells_before(readings: int, running: bool) -> int:
-    """The table entries a choice will touch, known before it starts.
+def cells_before(
+    readings: Sequence[Reading], running: int | None, heading: int, model: SensorModel, ahead: int
+) -> int:
+    """The most table entries that a choice with this look-ahead touches, known before it starts.
 
-    One for each type and reading to find the belief, and one for each outcome, free detector,
-    type and class to find the information.
+    One for each type and reading to find the belief, and for each outcome those of its plans.
+    Raises HeadingError.
     """
-    outcomes = EVIDENCE_CLASSES if running else 1
-    free = DETECTORS - readings - int(running)
-    believed = JUNCTION_TYPES * (readings + outcomes)
-    return believed + outcomes * free * JUNCTION_TYPES * EVIDENCE_CLASSES
+    used = [reading.detector for reading in readings] + [running]
+    codes, _ = model.informative[heading_number(heading)]
+    free = sum(code not in used for code in codes.tolist())
+    outcomes = 1 if running is None else EVIDENCE_CLASSES
+    types = int(enterable(heading).sum())
+    plans = most_cells(free, ahead, EVIDENCE_CLASSES, types, types)
+    return _cells_of_beliefs(len(readings), outcomes) + outcomes * plans
 
 
-def _free_detectors(readings: Sequence[Reading], running: int | None) -> NDArray[np.int64]:
+def look_ahead_within(
+    cells: int,
+    most: int,
+    readings: Sequence[Reading],
+    running: int | None,
+    heading: int,
+    model: SensorModel,
+) -> int:
+    """The longest look-ahead, up to ``most``, whose cells are within a number; 1 if none is.
+
+    Raises HeadingError.
+    """
+    fitting = [
+        ahead
+        for ahead in LOOK_AHEAD
+        if ahead <= most and cells_before(readings, running, heading, model, ahead) <= cells
+    ]
+    return max(fitting, default=LOOK_AHEAD[0])
+
+
+def rehearse(model: SensorModel) -> None:
+    """A first choice, so that everything is compiled before anybody waits for a real one."""
+    uniform = np.full(JUNCTION_TYPES, 1 / JUNCTION_TYPES)
+    choose(uniform, [], None, DIRECTIONS[0], model, flat_cost_s(), LOOK_AHEAD[0])
+
+
+def _cells_of_beliefs(readings: int, outcomes: int) -> int:
+    return JUNCTION_TYPES * (readings + outcomes)
+
+
+def _used(readings: Sequence[Reading], running: int | None) -> list[int]:
     once_each(readings)
     used = [reading.detector for reading in readings]
     if running is not None:
@@ -114,7 +223,20 @@ def _free_detectors(readings: Sequence[Reading], running: int | None) -> NDArray
         if running in used:
             raise ReadingError(f"detector {running} runs again in one visit")
         used.append(running)
-    return np.array([d for d in range(DETECTORS) if d not in used], dtype=np.int64)
+    return used
+
+
+def _check_cost(cost_s: NDArray[np.float64]) -> None:
+    if cost_s.shape != (JUNCTION_TYPES, JUNCTION_TYPES) or not np.isfinite(cost_s).all():
+        raise CostError(
+            f"costs are finite seconds for {JUNCTION_TYPES} conclusions by {JUNCTION_TYPES} "
+            f"types, got {cost_s!r}"
+        )
+
+
+def _check_look_ahead(look_ahead: int) -> None:
+    if look_ahead not in LOOK_AHEAD:
+        raise CostError(f"plans hold one of {LOOK_AHEAD} tests at most, got {look_ahead}")
 
 
 def _beliefs(
@@ -123,8 +245,11 @@ def _beliefs(
     running: int | None,
     heading: int,
     model: SensorModel,
-) -> NDArray[np.float64]:
-    """P(J|prior, readings, outcome) for every outcome of the running detector: (outcomes, 16)."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """P(J|prior, readings, outcome) for every outcome of the running detector: (outcomes, 16).
+
+    With the probability of each outcome, (outcomes,).
+    """
     if prior.shape != (JUNCTION_TYPES,) or not (prior >= 0).all() or not np.isfinite(prior).all():
         raise PriorError(f"a prior is {JUNCTION_TYPES} finite numbers >= 0, got {prior!r}")
     joint = (prior * junction_likelihood(readings, heading, model))[None, :]
@@ -137,20 +262,4 @@ def _beliefs(
             f"with heading {heading}"
         )
     belief: NDArray[np.float64] = joint / evidence
-    return belief
-
-
-def _information(
-    belief: NDArray[np.float64],
-    class_given_type: NDArray[np.float64],
-    class_entropy: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Expected fall in the entropy of J by each detector, in nats: (outcomes, detectors).
-
-    Mutual information read from the side of S, H(S) - sum_J P(J) H(S|J): it needs no posterior
-    for each class.
-    """
-    mixed = (belief.T[:, :, None, None] * class_given_type.transpose(1, 0, 2)[:, None]).sum(axis=0)
-    expected = (belief.T[:, :, None] * class_entropy.T[:, None]).sum(axis=0)
-    information: NDArray[np.float64] = np.round(entropy_nats(mixed) - expected, DECIMALS)
-    return np.maximum(information, 0.0)
+    return belief, evidence[:, 0] / evidence.sum()

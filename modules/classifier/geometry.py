@@ -25,12 +25,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bus.features import CONVEX_CORNER, FEATURES, FLAT_WALL, OPENING, WEDGES
 from bus.grid import DIRECTIONS, JUNCTION_TYPES, LEFT_OF, OPPOSITE, RIGHT_OF
-
-FEATURES = ("opening", "flat_wall", "convex_corner")
-OPENING, FLAT_WALL, CONVEX_CORNER = range(3)
-WEDGES = 8
-DETECTORS = len(FEATURES) * WEDGES
 
 
 class HeadingError(ValueError):

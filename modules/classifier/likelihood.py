@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modules.classifier.geometry import DETECTORS, WEDGES, enterable, heading_number
+from bus.features import DETECTORS, WEDGES
+from modules.classifier.geometry import enterable, heading_number
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 
 

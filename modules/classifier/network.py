@@ -6,20 +6,15 @@ That the robot came by the corridor behind is hard evidence: X of the opening in
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bus.features import DETECTORS, FEATURES, OPENING, WEDGES
 from bus.grid import JUNCTION_TYPES
-from modules.classifier.geometry import (
-    DETECTORS,
-    FEATURES,
-    OPENING,
-    WEDGES,
-    heading_number,
-    presence_table,
-)
+from modules.classifier.geometry import heading_number, presence_table
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 
 if TYPE_CHECKING:
@@ -68,3 +63,15 @@ def declare_network(
         )
     net.check_model()
     return net
+
+
+def export_network(
+    path: Path, prior: NDArray[np.float64], heading: int, model: SensorModel
+) -> None:
+    """Write the network as a BIF file, which other libraries of Bayes nets read.
+
+    Arguments and errors as for :func:`declare_network`; raises OSError where it cannot be written.
+    """
+    from pgmpy.readwrite import BIFWriter
+
+    BIFWriter(declare_network(prior, heading, model), round_values=None).write(str(path))

@@ -7,8 +7,12 @@ likelihood alone goes back, so nothing is counted twice.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
+
+import msgspec
 
 from bus.facts import Facts
+from bus.features import WEDGES
 from bus.messages import (
     Arrival,
     AskedSensing,
@@ -20,10 +24,9 @@ from bus.messages import (
 from bus.messages import Reading as Read
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
-from modules.classifier.choose import STOP, ChoiceSettings, cells_before, choose
-from modules.classifier.geometry import WEDGES
+from modules.classifier.choose import STOP, choose, flat_cost_s, look_ahead_within, rehearse
 from modules.classifier.likelihood import Reading, junction_likelihood
-from modules.classifier.sensor_model import SensorModel, load_sensor_model
+from modules.classifier.sensor_model import SHIPPED, SensorModel, load_sensor_model
 from modules.classifier.settings import Settings
 
 
@@ -32,7 +35,8 @@ class Classifier:
 
     def __init__(self, model: SensorModel, settings: Settings) -> None:
         self._model = model
-        self._settings = ChoiceSettings(settings.worth_nats_per_s)
+        self._settings = settings
+        self._cost_s = flat_cost_s(settings.wrong_type_s)
         self._visit = -1
         self._heading = 0
         self._arrived = False
@@ -82,17 +86,17 @@ class Classifier:
         if asked is None or prior is None or prior.visit != asked.visit:
             return
         self._asked = None
-        turn.work("sensing", cells_before(len(self._readings), self._running is not None))
         choice = choose(
             prior.prior,
             self._readings,
             self._running,
             self._heading,
             self._model,
-            self._settings,
+            self._cost_s,
+            self._look_ahead(asked, turn),
         )
+        turn.work("sensing", choice.cells)
         self._branch = tuple(choice.next_detector.tolist())
-        best_nats = float(choice.information_nats.max())
         turn.say(
             SensingDecision(
                 asked.decision,
@@ -100,13 +104,25 @@ class Classifier:
                 asked.action,
                 choice.next_detector,
                 choice.concluded_type,
-                best_nats,
+                choice.worth_s,
+                choice.look_ahead,
             ),
             *self._asked_by,
             *self._prior_from,
             *self._read_from,
         )
         self._begin_first(turn)
+
+    def _look_ahead(self, asked: AskedSensing, turn: Turn) -> int:
+        """How far plans may look ahead in the time left (a fixed-time procedure; section 5)."""
+        return look_ahead_within(
+            turn.costs.cells_within("sensing", turn.left_ns(asked.until_ns)),
+            self._settings.look_ahead,
+            self._readings,
+            self._running,
+            self._heading,
+            self._model,
+        )
 
     def _begin_first(self, turn: Turn) -> None:
         """Before the first reading of a visit there is one outcome only."""
@@ -138,6 +154,14 @@ class Classifier:
         )
 
 
-def build(_facts: Facts, settings: Settings, _seed: int) -> Classifier:
-    """The classifier of one run. Raises SensorModelError if the shipped model is not whole."""
-    return Classifier(load_sensor_model(), settings)
+def build(facts: Facts, settings: Settings, _seed: int) -> Classifier:
+    """The classifier of one run.
+
+    Raises SensorModelError if its model is not whole, or was made with another ring than the
+    robot carries. That echoes are noisier or fewer than in the trials the robot cannot know.
+    """
+    path = Path(settings.sensor_model) if settings.sensor_model is not None else SHIPPED
+    ring = {key: float(value) for key, value in msgspec.structs.asdict(facts.ring).items()}
+    model = load_sensor_model(path, ring)
+    rehearse(model)
+    return Classifier(model, settings)

@@ -1,7 +1,8 @@
 """What the detectors' readings are worth: Pr(S|X), determined experimentally (paper, section 3).
 
 The model file holds counts from simulated trials, so that anyone can see on how much
-evidence each probability rests; probabilities are made from them on loading.
+evidence each probability rests; probabilities are made from them on loading. The intervals beside
+them are for the reader.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bus.features import DETECTORS, FEATURES, WEDGES
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
-from modules.classifier.geometry import DETECTORS, FEATURES, WEDGES, enterable, presence_table
+from modules.classifier.geometry import enterable, presence_table
+from modules.classifier.worth import Detectors
 
-VERSION = 1
+VERSION = 2
 EVIDENCE_CLASSES = 4
 """0 = surely absent, 1 = rather absent, 2 = rather present, 3 = surely present."""
 
@@ -65,6 +68,21 @@ class SensorModel:
         table: NDArray[np.float64] = smooth / smooth.sum(axis=-1, keepdims=True)
         return table
 
+    @property
+    def interval_95(self) -> NDArray[np.float64]:
+        """Bounds of Pr(S=class|X) by its posterior: (features, wedges, X, classes, 2), rounded.
+
+        A Dirichlet distribution of 0.5 a class before the trials, whose mean after them is
+        :attr:`probability`.
+        """
+        from scipy.special import betaincinv  # here, since only who writes a model needs it
+
+        a = self.counts + 0.5
+        b = a.sum(axis=-1, keepdims=True) - a
+        bounds = np.stack([betaincinv(a, b, share) for share in (0.025, 0.975)], axis=-1)
+        rounded: NDArray[np.float64] = bounds.round(4)
+        return rounded
+
     @cached_property
     def duration_by_detector_s(self) -> NDArray[np.float64]:
         """Seconds a detector takes, by its code ``feature * wedges + wedge``: (24,)."""
@@ -84,9 +102,20 @@ class SensorModel:
         return np.where(entered[:, None, :, None], table, 0.0)
 
     @cached_property
-    def class_entropy_given_type(self) -> NDArray[np.float64]:
-        """Entropy of S given J in nats: (headings, detectors, types)."""
-        return entropy_nats(self.class_given_type)
+    def informative(self) -> tuple[tuple[NDArray[np.int64], Detectors], ...]:
+        """For each heading N E S W the detectors that can tell types apart: codes and tables.
+
+        The others find the same whatever the type, since their feature is present at all or none
+        of the types that can be entered. Tables are over the types that can be, in order.
+        """
+        return tuple(map(self._informative, range(len(DIRECTIONS))))
+
+    def _informative(self, heading: int) -> tuple[NDArray[np.int64], Detectors]:
+        by_class = self.class_given_type[heading].transpose(0, 2, 1)
+        by_class = by_class[:, :, enterable(DIRECTIONS[heading])]
+        codes = np.flatnonzero((np.ptp(by_class, axis=2) > 0.0).any(axis=1))
+        told = np.ascontiguousarray(by_class[codes])
+        return codes, Detectors(told, self.duration_by_detector_s[codes])
 
     def as_json(self) -> str:
         """The model as the text of its file."""
@@ -97,22 +126,16 @@ class SensorModel:
             "features": list(FEATURES),
             "duration_s": _by_detector(self.durations_s),
             "counts": _by_detector(self.counts),
+            "interval_95": _by_detector(self.interval_95),
         }
         lines = [f'  "{key}": {_text(value)}' for key, value in whole.items()]
         return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def entropy_nats(distribution: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Entropy of distributions along the last axis, in nats; zero for a row of zeros."""
-    safe = np.where(distribution > 0.0, distribution, 1.0)
-    entropy: NDArray[np.float64] = -(distribution * np.log(safe)).sum(axis=-1)
-    return entropy
-
-
 def load_sensor_model(
     path: Path = SHIPPED, expected_ring: Mapping[str, float] | None = None
 ) -> SensorModel:
-    """Read a model file; with ``expected_ring``, refuse one made with another sonar ring.
+    """Read a model file; with ``expected_ring``, refuse one made with other figures than these.
 
     Raises SensorModelError, which names the file and what was found and expected.
     """
@@ -160,10 +183,10 @@ def _checked(content: Any, expected_ring: Mapping[str, float] | None) -> SensorM
 def _check_ring(found: Mapping[str, float], expected: Mapping[str, float] | None) -> None:
     if expected is None:
         return
-    for key in sorted({*found, *expected}):
+    for key in sorted(expected):
         if found.get(key) != expected.get(key):
             raise SensorModelError(
-                f"made with another ring: {key} is {found.get(key)}, expected {expected.get(key)}"
+                f"made with another ring: {key} is {found.get(key)}, expected {expected[key]}"
             )
 
 

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How much information a second of sensing must bring for it to go on, in nats."""
+    """What a wrong conclusion costs, in seconds, and how many tests a plan may hold at most.
 
-    worth_nats_per_s: Annotated[float, msgspec.Meta(ge=0)] = 0.0002
+    The cost is that of the assumption in :data:`modules.classifier.choose.WRONG_TYPE_S`. Plans
+    are as long as the time until the deadline allows, up to ``look_ahead``. ``sensor_model`` is a
+    file that ``waywiser calibrate detectors`` wrote; the shipped one if none is given.
+    """
+
+    wrong_type_s: Annotated[float, msgspec.Meta(ge=0, le=1e9)] = 100_000.0
+    look_ahead: Literal[1, 2, 3] = 3
+    sensor_model: str | None = None

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bus.features import CONVEX_CORNER, OPENING
 from modules.detectors.actions import check_width
 from modules.detectors.surfaces import Heard, Sector, hear
-from modules.detectors.views import CONVEX_CORNER, OPENING, DetectorError, View, view_of
+from modules.detectors.views import DetectorError, View, view_of
 
 CLASS_BOUNDS = (0.1, 0.5, 0.9)
 """Probabilities that part the evidence classes 0 (surely absent) .. 3 (surely present)."""

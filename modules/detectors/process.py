@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bus.facts import Facts
+from bus.features import WEDGES
 from bus.messages import (
     DRIVE,
     PING,
@@ -28,7 +29,6 @@ from bus.wire import MessageId
 from modules.detectors.actions import ping_offsets_rad, plan
 from modules.detectors.interpret import interpret
 from modules.detectors.settings import Settings
-from modules.detectors.views import WEDGES
 
 STEP_KIND = {"drive": DRIVE, "turn": TURN, "ping": PING}
 STOP = -1
@@ -76,10 +76,15 @@ class Detectors:
         self._scanned.append(turn.heard)
 
     def _ended(self, said: ActionEnded, turn: Turn) -> None:
+        offsets_rad = np.array(ping_offsets_rad())
+        if len(self._scans) != len(offsets_rad):
+            # The sensor is down or a ping was lost: nothing that could be said were evidence,
+            # so the robot stands, and the ledger tells since when and for what.
+            turn.work("note", 1)
+            return
         ranges_m = np.array(self._scans)
         turn.work("interpret", ranges_m.size)
         feature, wedge = divmod(self._detector, WEDGES)
-        offsets_rad = np.array(ping_offsets_rad())
         found = interpret(feature, wedge, ranges_m, offsets_rad, self._width_m)
         turn.say(
             Reading(self._visit, said.action, feature, wedge, found.probability, found.evidence),

@@ -17,9 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-FEATURES = ("opening", "flat_wall", "convex_corner")
-OPENING, FLAT_WALL, CONVEX_CORNER = range(3)
-WEDGES = 8
+from bus.features import CONVEX_CORNER, FEATURES, WEDGES
 
 
 class DetectorError(ValueError):

@@ -1,5 +1,6 @@
 """The compiled tables say what the declared network J -> X -> S says, by two libraries."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,11 +8,19 @@ import pyagrum
 import pytest
 from pgmpy.inference import VariableElimination
 from pgmpy.models import DiscreteBayesianNetwork
+from pgmpy.readwrite import BIFReader
 
+from bus.features import DETECTORS
 from bus.grid import DIRECTIONS
-from modules.classifier.geometry import DETECTORS, enterable
+from modules.classifier.geometry import enterable
 from modules.classifier.likelihood import Reading, junction_likelihood
-from modules.classifier.network import CAME_BY, JUNCTION, declare_network, reading_name
+from modules.classifier.network import (
+    CAME_BY,
+    JUNCTION,
+    declare_network,
+    export_network,
+    reading_name,
+)
 from modules.classifier.sensor_model import SHAPE, SensorModel
 
 EXACT = 1e-9
@@ -72,3 +81,24 @@ def test_likelihood_of_each_type_is_a_probability_not_a_scaled_one() -> None:
         inference.makeInference()
         # P(readings, J=j) = P(readings|J=j) / 16
         assert 16 * inference.evidenceProbability() == pytest.approx(found[j], rel=EXACT)
+
+
+SINGLE = 1e-6
+"""pyAgrum reads the numbers of a BIF file in single precision."""
+
+
+def test_the_exported_network_says_the_same_in_another_library(tmp_path: Path) -> None:
+    model, prior, heading, readings = _case(1)
+    path = tmp_path / "junction.bif"
+    export_network(path, prior, heading, model)
+    net = agrum.loadBN(str(path))
+    assert net.size() == 1 + 2 * DETECTORS
+    inference = agrum.LazyPropagation(net)
+    inference.setEvidence({name: str(state) for name, state in _evidence(readings).items()})
+    inference.makeInference()
+    joint = prior * junction_likelihood(readings, heading, model)
+    assert np.abs(inference.posterior(JUNCTION).toarray() - joint / joint.sum()).max() < SINGLE
+
+    read = BIFReader(str(path)).get_model()
+    for cpd in declare_network(prior, heading, model).get_cpds():
+        assert np.array_equal(read.get_cpds(cpd.variable).values, cpd.values)

@@ -5,16 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from bus.features import CONVEX_CORNER, DETECTORS, FLAT_WALL, OPENING
 from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, OPPOSITE, SOUTH, WEST
-from modules.classifier.geometry import (
-    CONVEX_CORNER,
-    FLAT_WALL,
-    OPENING,
-    HeadingError,
-    enterable,
-    features_present,
-    presence_table,
-)
+from modules.classifier.geometry import HeadingError, enterable, features_present, presence_table
 from modules.detectors import views
 from scenarios.calibrate_detectors import at_port, junction
 from simworld.building import Building
@@ -107,9 +100,5 @@ def test_a_heading_is_a_direction_bit() -> None:
         features_present(15, 3)
 
 
-def test_detectors_and_classifier_speak_of_the_same_features() -> None:
-    from modules.classifier import geometry
-
-    assert views.FEATURES == geometry.FEATURES
-    assert views.WEDGES == geometry.WEDGES
-    assert views.detector_code(CONVEX_CORNER, 7) == geometry.DETECTORS - 1
+def test_the_last_detector_is_the_last_features_last_wedge() -> None:
+    assert views.detector_code(CONVEX_CORNER, 7) == DETECTORS - 1

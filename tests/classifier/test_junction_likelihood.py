@@ -5,15 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bus.features import DETECTORS, FLAT_WALL, OPENING
 from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH
-from modules.classifier.geometry import (
-    DETECTORS,
-    FLAT_WALL,
-    OPENING,
-    HeadingError,
-    enterable,
-    features_present,
-)
+from modules.classifier.geometry import HeadingError, enterable, features_present
 from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood
 from modules.classifier.sensor_model import SHAPE, SensorModel
 

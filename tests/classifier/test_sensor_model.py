@@ -3,18 +3,22 @@
 import json
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
-from modules.classifier.geometry import CONVEX_CORNER, FLAT_WALL, enterable, presence_table
+from bus.facts import Facts, Ring
+from bus.features import CONVEX_CORNER, FLAT_WALL
+from modules.classifier.geometry import enterable, presence_table
+from modules.classifier.process import build
 from modules.classifier.sensor_model import (
     SHAPE,
     SHIPPED,
     SensorModel,
     SensorModelError,
-    entropy_nats,
     load_sensor_model,
 )
+from modules.classifier.settings import Settings
 
 
 def some_model(seed: int = 0) -> SensorModel:
@@ -43,9 +47,27 @@ def test_class_given_type_sums_x_out() -> None:
         assert np.array_equal(model.class_given_type[n, FLAT_WALL * 8 + 2, j], expected)
 
 
-def test_entropy_by_hand() -> None:
-    rows = np.array([[0.5, 0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-    assert np.allclose(entropy_nats(rows), (np.log(2.0), 0.0, 0.0), atol=1e-15)
+def test_the_informative_detectors_are_those_whose_feature_some_types_have_and_some_not() -> None:
+    for number, heading in enumerate((1, 2, 4, 8)):
+        present = presence_table()[number, enterable(heading)].reshape(8, -1)
+        codes, detectors = some_model().informative[number]
+        assert codes.tolist() == np.flatnonzero(np.ptp(present.astype(int), axis=0)).tolist()
+        assert detectors.class_given_type.shape == (len(codes), 4, 8)
+        assert np.allclose(detectors.class_given_type.sum(axis=1), 1.0)
+        assert np.array_equal(detectors.seconds, some_model().duration_by_detector_s[codes])
+
+
+def test_intervals_are_those_of_the_posterior() -> None:
+    counts = np.zeros(SHAPE, dtype=np.int64)
+    counts[0, 0, 1] = (0, 0, 100, 0)
+    interval = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test").interval_95
+    # Beta(100.5, 1.5): drawn independently of how it is reckoned.
+    drawn = np.random.default_rng(1).dirichlet([0.5, 0.5, 100.5, 0.5], 200_000)
+    expected = np.quantile(drawn, [0.025, 0.975], axis=0).T
+    assert np.allclose(interval[0, 0, 1], expected, atol=2e-3)
+    model = some_model()
+    assert (model.interval_95[..., 0] <= model.probability + 1e-4).all()
+    assert (model.interval_95[..., 1] >= model.probability - 1e-4).all()
 
 
 def test_a_written_model_reads_back(tmp_path: Path) -> None:
@@ -86,7 +108,7 @@ def test_refuses_a_missing_file(tmp_path: Path) -> None:
 
 def test_refuses_what_is_not_a_model(tmp_path: Path) -> None:
     path = tmp_path / "model.json"
-    _refused(path, "expected version 1, found 2", {"version": 2})
+    _refused(path, "expected version 2, found 1", {"version": 1})
     _refused(path, "dropout is 0.5, expected 0.02", {"ring": {"transducers": 24, "dropout": 0.5}})
     _refused(path, "transducers is None", {"ring": {"dropout": 0.02}})
     _refused(path, "expected features", {"features": ["opening"]})
@@ -112,3 +134,21 @@ def test_refuses_numbers_that_cannot_be() -> None:
 
 def test_the_shipped_file_is_what_the_model_writes() -> None:
     assert load_sensor_model().as_json() == SHIPPED.read_text()
+
+
+def test_the_classifier_refuses_a_model_of_another_ring(tmp_path: Path) -> None:
+    facts = Facts(2, 1, 0, 2, 0.085)
+    for ring, says in (
+        (Ring(transducers=16), r"json: made with another ring: transducers is 24\.0, expected 16"),
+        (Ring(farthest_m=6.0), r"farthest_m is 10\.7, expected 6\.0"),
+    ):
+        with pytest.raises(SensorModelError, match=says):
+            build(msgspec.structs.replace(facts, ring=ring), Settings(), 1)
+    path = tmp_path / "model.json"
+    noisy = {**msgspec.structs.asdict(facts.ring), "dropout": 0.5}
+    shipped = load_sensor_model()
+    path.write_text(SensorModel(shipped.counts, shipped.durations_s, noisy, "a test").as_json())
+    # How well the ring hears is not its build: such a model is used where it is asked for.
+    build(facts, Settings(sensor_model=str(path)), 1)
+    with pytest.raises(SensorModelError, match=r"none\.json: no sensor model there"):
+        build(facts, Settings(sensor_model=str(tmp_path / "none.json")), 1)

@@ -4,17 +4,9 @@ import math
 
 import pytest
 
+from bus.features import CONVEX_CORNER, FEATURES, FLAT_WALL, OPENING, WEDGES
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
-from modules.detectors.views import (
-    CONVEX_CORNER,
-    FEATURES,
-    FLAT_WALL,
-    OPENING,
-    WEDGES,
-    DetectorError,
-    detector_code,
-    view_of,
-)
+from modules.detectors.views import DetectorError, detector_code, view_of
 from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, moved
 from simworld.motion import Pose
 

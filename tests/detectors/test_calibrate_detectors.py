@@ -34,7 +34,7 @@ def test_counts_depend_on_the_seed_not_on_the_workers() -> None:
 
 
 def test_a_trial_depends_on_the_seed_and_its_number_alone() -> None:
-    one_by_one = [trial(np.random.default_rng([5, number]), RING) for number in range(30)]
+    one_by_one = [trial(np.random.default_rng([5, number]), RING).counts for number in range(30)]
     assert np.array_equal(calibrate(30, seed=5).counts, sum(one_by_one))
     assert np.array_equal(calibrate(7, seed=5).counts, sum(one_by_one[:7]))
 

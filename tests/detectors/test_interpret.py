@@ -9,18 +9,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
+from bus.features import CONVEX_CORNER, FEATURES, FLAT_WALL, OPENING, WEDGES
 from bus.grid import NORTH
 from modules.classifier.geometry import enterable, features_present
 from modules.detectors.actions import ping_offsets_rad, plan
 from modules.detectors.interpret import Finding, Surfaces, interpret
-from modules.detectors.views import (
-    CONVEX_CORNER,
-    FEATURES,
-    FLAT_WALL,
-    OPENING,
-    WEDGES,
-    DetectorError,
-)
+from modules.detectors.views import DetectorError
 from scenarios.calibrate_detectors import act, at_port, junction
 from simworld.sonar import SonarRing
 

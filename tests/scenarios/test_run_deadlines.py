@@ -24,6 +24,7 @@ from bus.messages import (
     LedgerEntry,
     Motion,
     PathDecision,
+    Reading,
     RunEnded,
 )
 from bus.wire import Sent
@@ -42,6 +43,9 @@ HOP_NS = 100_000
 SECOND_NS = 1_000_000_000
 FIRST_DRIVE_NS = math.ceil(6.0 / 0.085 * 1e9)
 """The robot begins 6 m before the port of the first LDP."""
+
+PATIENCE_NS = 600 * SECOND_NS
+"""How long a robot stands before its day is given up (`world.patience_s` as it is)."""
 
 Run = tuple[Sent, ...]
 
@@ -193,6 +197,15 @@ def test_a_dead_process_ends_the_run_at_the_next_deadline_that_it_misses(
     assert (entry.decision, entry.cause) == (question.decision, "process down")
     assert (entry.decided_ns, entry.slack_ns, entry.idle_ns) == (-1, 0, 0)
     assert [m.decision for m in of_kind(said, DeadlineMissed)] == [question.decision]
+
+
+@pytest.mark.parametrize("at_s", [10.0, 100.0, 120.0])
+def test_a_robot_that_hears_no_echoes_says_nothing_of_what_it_sensed(at_s: float) -> None:
+    # No deadline falls due: the robot has its next step for every reading, but gets no reading.
+    said = everything_said(slowed(fault=[{"kill": "sensor", "at_s": at_s}]))
+    last_ns = max(s.said_ns for s in said if isinstance(s.message, ActionEnded))
+    assert ending(said) == ("process down: sensor", last_ns + PATIENCE_NS)
+    assert not [r for r in said if isinstance(r.message, Reading) and r.said_ns >= last_ns]
 
 
 def test_what_a_process_would_have_said_after_its_death_is_never_said() -> None:

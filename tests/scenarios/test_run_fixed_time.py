@@ -11,7 +11,14 @@ from typing import Any
 
 import pytest
 
-from bus.messages import AskedPath, LedgerEntry, PathDecision, Span
+from bus.messages import (
+    AskedPath,
+    AskedSensing,
+    LedgerEntry,
+    PathDecision,
+    SensingDecision,
+    Span,
+)
 from bus.topics import DECIDER
 from bus.wire import Sent
 from scenarios.scenario import Scenario
@@ -74,6 +81,18 @@ def test_with_little_time_fewer_hypotheses_are_weighed(seed: int) -> None:
     assert first <= 4 * 8
     assert of_kind(forced, PathDecision)[0].hypotheses > 4 * 8
     assert max(rest) > 4 * 8
+
+
+def test_with_little_time_plans_of_fewer_tests_are_weighed() -> None:
+    then, now = everything_said(aces(1)), everything_said(shipped("aces", seed=1).scenario)
+    asked = {question.decision: question for question in of_kind(then, AskedSensing)}
+    looked = {asked[d.decision]: d.look_ahead for d in of_kind(then, SensingDecision)}
+    driving = {ahead for question, ahead in looked.items() if question.action == 0}
+    testing = {ahead for question, ahead in looked.items() if question.action > 0}
+    # Four minutes for one outcome, half a minute for four of them.
+    assert max(driving) == 2
+    assert testing == {1}
+    assert {d.look_ahead for d in of_kind(now, SensingDecision)} == {3}
 
 
 def test_a_decision_takes_what_its_cells_cost() -> None:
