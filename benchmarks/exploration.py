@@ -2,10 +2,11 @@
 
     python -m benchmarks.exploration [--scenario NAME] [--seeds A:B] [--plan MAP.yaml]
 
-Runs a scenario with each seed by a robot that explores where that is worth its time, and by one
-that sees no value in knowing the building later (``[modules.decider] explores = false``; it still
-tries a shorter way that may exist). On ``aces``, with its floor plan, also by one that hears the
-echoes of the real building, where nobody walks and it reacts to nothing that stands about.
+Runs a scenario with each seed by a robot that plans for least expected cost, by the paper's model,
+and by a robot of that model that sees no value in knowing the building later (``[modules.decider]
+explores = false``; it still tries a shorter way that may exist). On ``aces``, with its floor plan,
+also by one that hears the echoes of the real building, where nobody walks and it reacts to nothing
+that stands about.
 Everything is simulated time, so the numbers repeat on any machine.
 """
 
@@ -94,13 +95,15 @@ def _explored(decided: Sequence[PathDecision], beliefs: Sequence[MapBelief]) -> 
 
 def variants(scenario: str, plan: Path) -> list[Variant]:
     """The ways to run, the last only where the floor plan is at hand."""
+    paper, hopeful = "modules.decider.model=paper", "modules.decider.explores=false"
     ways = [
-        Variant("explores", ()),
-        Variant("explores = false", ("modules.decider.explores=false",)),
+        Variant("least expected cost", ("modules.decider.model=least expected cost",)),
+        Variant("paper, explores", (paper,)),
+        Variant("paper, explores = false", (paper, hopeful)),
     ]
     if scenario == "aces" and plan.is_file():
         real = (f"world.floor_plan={plan.resolve()}", "world.person=[]", "world.until_s=20000")
-        ways.append(Variant("explores, real echoes", real, unmoved))
+        ways.append(Variant("as shipped, real echoes", real, unmoved))
     return ways
 
 

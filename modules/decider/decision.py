@@ -47,7 +47,7 @@ def decide(situation: Situation, hypotheses_per_type: int | None = None) -> Deci
     """
     if hypotheses_per_type is not None and hypotheses_per_type < 1:
         raise ValueError(f"hypotheses_per_type is {hypotheses_per_type}, expected at least 1")
-    problem = _Problem.of(situation)
+    problem = Problem.of(situation)
     found = by_junction_type(situation, problem.roads, hypotheses_per_type)
     branches = [
         _by_value(problem, t, found[t]) if t in found else _by_hope(problem, t)
@@ -64,7 +64,7 @@ def decide(situation: Situation, hypotheses_per_type: int | None = None) -> Deci
 
 
 @dataclass(frozen=True)
-class _Problem:
+class Problem:
     """A situation with what the kernels need of it, made once for all junction types."""
 
     situation: Situation
@@ -73,7 +73,8 @@ class _Problem:
     goals: NDArray[np.int64]
 
     @classmethod
-    def of(cls, situation: Situation) -> _Problem:
+    def of(cls, situation: Situation) -> Problem:
+        """The problem of a situation."""
         tasks = Tasks(
             np.array(situation.tasks[:, 0], dtype=np.int64),
             np.array(situation.tasks[:, 1], dtype=np.int64),
@@ -94,12 +95,12 @@ class _Branch:
     cells: int = 0
 
 
-def _by_value(problem: _Problem, junction_type: int, hypotheses: Hypotheses) -> _Branch:
+def _by_value(problem: Problem, junction_type: int, hypotheses: Hypotheses) -> _Branch:
     situation = problem.situation
     unsettled = hypotheses.unsettled(situation.grid)
     levels = levels_at(situation, junction_type)
     options = options_at(situation, problem.roads, levels, unsettled)
-    expected, cells = _expected_costs(problem, hypotheses, options, unsettled)
+    expected, cells = expected_costs(problem, hypotheses, options, unsettled)
     known = expected[0] if options.known else np.inf
     best, unknown = 0, np.inf
     for option in range(1, len(expected)):
@@ -112,7 +113,7 @@ def _by_value(problem: _Problem, junction_type: int, hypotheses: Hypotheses) -> 
     return _Branch(direction, known, unknown, explores, cells)
 
 
-def _by_hope(problem: _Problem, junction_type: int) -> _Branch:
+def _by_hope(problem: Problem, junction_type: int) -> _Branch:
     situation = problem.situation
     if not situation.goals:
         return _Branch(direction=0)
@@ -121,8 +122,8 @@ def _by_hope(problem: _Problem, junction_type: int) -> _Branch:
     return _Branch(direction or some_step(situation, junction_type))
 
 
-def _expected_costs(
-    problem: _Problem,
+def expected_costs(
+    problem: Problem,
     hypotheses: Hypotheses,
     options: Options,
     unsettled: NDArray[np.bool_],

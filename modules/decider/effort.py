@@ -5,7 +5,7 @@ from __future__ import annotations
 from bus.grid import Grid
 from modules.decider.options import most_options
 
-LADDER = (4, 8, 16, 32, 64)
+LADDER = (1, 2, 4, 8, 16, 32, 64)
 """The sizes of problem to choose from: hypotheses for each junction type at v."""
 
 

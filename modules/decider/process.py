@@ -17,6 +17,8 @@ from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.decider.decision import decide
 from modules.decider.effort import LADDER, largest_that_fits
+from modules.decider.methods import MethodInUse
+from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_worlds
 from modules.decider.rehearsal import rehearse
 from modules.decider.settings import Settings
 from modules.decider.situation import Situation
@@ -28,9 +30,14 @@ POSSIBLE = 1e-9
 class Decider:
     """Waits for the question and the belief of the same visit, then decides."""
 
-    def __init__(self, facts: Facts, settings: Settings) -> None:
+    def __init__(self, facts: Facts, settings: Settings, seed: int) -> None:
         self._grid = facts.grid
         self._settings = settings
+        self._method = (
+            None
+            if settings.method == "expected value"
+            else MethodInUse(settings.method, np.random.default_rng(seed))
+        )
         self._asked: AskedPath | None = None
         self._belief: MapBelief | None = None
         self._made_from: dict[str, MessageId] = {}  # the question and the belief
@@ -57,7 +64,12 @@ class Decider:
             return
         self._asked = None
         situation = self._situation(asked, belief)
-        found = decide(situation, self._size(asked, belief, turn))
+        if self._method is not None:
+            found = self._method.decide(situation)
+        elif self._settings.model == "paper" or not situation.goals:
+            found = decide(situation, self._size(asked, belief, turn))
+        else:
+            found = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn))
         turn.work("path", found.cells)
         turn.say(
             PathDecision(
@@ -93,14 +105,27 @@ class Decider:
         """Hypotheses per junction type: as many as fit into the time left, or as many as set."""
         if self._settings.hypotheses != "as many as fit":
             return self._settings.hypotheses
-        types = int((belief.junctions[belief.y, belief.x] > POSSIBLE).sum())
+        types = _types(belief)
         cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns))
         legs = len(asked.waypoints)
         # Where nothing fits it will be late whatever it does: the smallest is late by least.
         return largest_that_fits(self._grid, len(asked.tasks), types, cells, legs) or LADDER[0]
 
+    def _worlds(self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn) -> int:
+        """The same for plans of least expected cost."""
+        if self._settings.hypotheses != "as many as fit":
+            return self._settings.hypotheses
+        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns))
+        legs = len(errands_of(situation).goals)
+        return most_worlds(self._grid, _types(belief), legs, cells) or WORLDS[0]
 
-def build(facts: Facts, settings: Settings, _seed: int) -> Decider:
+
+def _types(belief: MapBelief) -> int:
+    """How many junction types are possible at the far end."""
+    return int((belief.junctions[belief.y, belief.x] > POSSIBLE).sum())
+
+
+def build(facts: Facts, settings: Settings, seed: int) -> Decider:
     """The decider of one run."""
     rehearse(facts.grid)
-    return Decider(facts, settings)
+    return Decider(facts, settings, seed)

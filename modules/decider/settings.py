@@ -6,13 +6,18 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from modules.decider.methods import Choice
+
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How much to consider.
 
     ``hypotheses``: maps considered for each junction type; a number is used even if it cannot
     be done in time. ``sensing_s``: what classifying a new junction takes. A robot that does not
-    ``explores`` sees no value in knowing the building later.
+    ``explores`` sees no value in knowing the building later. ``method``: E[P_K] against E[P_U]
+    (paper, section 3), or a method of section 4 from the first errand on, or the one that is the
+    best by estimate for each goal. ``model``: what expected value is: the paper's P_K and P_U, or
+    plans of least expected cost over all errands (outlook.py).
     """
 
     hypotheses: Annotated[int, msgspec.Meta(ge=1, le=64)] | Literal["as many as fit"] = (
@@ -20,3 +25,5 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     )
     sensing_s: Annotated[float, msgspec.Meta(ge=0)] = 90.0
     explores: bool = True
+    method: Choice | Literal["expected value"] = "expected value"
+    model: Literal["paper", "least expected cost"] = "paper"

@@ -5,6 +5,8 @@ Writes the log of a little run in which one module is as HOW says, one of :data:
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -17,6 +19,7 @@ from bus.turns import Handler, Module, Turn
 from scenarios.modules import build_module
 from tests.scenarios.runs import LITTLE, log_in_process, scenario_of, script_of
 
+ROOT = Path(__file__).resolve().parents[2]
 DIRECTIONS = {"north", "east", "south", "west"}
 
 
@@ -63,6 +66,14 @@ def build(how: str) -> Callable[..., Module]:
         return Spoilt(module, HOWS[how]) if name == GEOGRAPHER else module
 
     return built
+
+
+def log_in_a_process(how: str, hash_seed: int, log: Path) -> bytes:
+    """The bytes of the log of such a run, in a process in which sets have an order of their own."""
+    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed)}
+    command = [sys.executable, "-m", "tests.scenarios.spoilt", how, str(log)]
+    subprocess.run(command, env=environment, cwd=ROOT, check=True)
+    return log.read_bytes()
 
 
 if __name__ == "__main__":

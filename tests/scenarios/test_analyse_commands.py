@@ -75,10 +75,14 @@ def test_tables_hold_every_log(logs: tuple[Path, Path], tmp_path: Path) -> None:
         "spans": sum(load["handlers"] for one in found for load in one["loads"]),
         "topics": sum(len(one["traffic"]) for one in found),
         "chains": sum(len(row["chain"]["hops"]) for one in found for row in one["chains"]),
+        "paths": sum(len(one["paths"]) for one in found),
         "beliefs": sum(len(one["knowledge"]) for one in found),
     }
     assert {table: len(_rows(folder, table)) for table in sizes} == sizes
     assert {row["log"] for row in _rows(folder, "spans")} == set(map(str, logs))
+    for row in _rows(folder, "paths"):
+        assert float(row["first_median_s"]) <= float(row["last_median_s"])
+        assert float(row["best_median_s"]) <= float(row["worst_median_s"])
     for row in _rows(folder, "ledger"):
         if row["decided_ns"]:
             assert int(row["slack_ns"]) == int(row["until_ns"]) - int(row["decided_ns"])
@@ -94,9 +98,12 @@ def test_tables_that_cannot_be_written_are_bad_input(
 
 
 def test_a_trace_is_written(logs: tuple[Path, Path], tmp_path: Path) -> None:
-    trace = tmp_path / "trace.json"
+    trace = tmp_path / "run.pftrace"
     assert _run("analyse", logs[1], "--perfetto", trace).exit_code == 0
-    assert len(json.loads(trace.read_text())["traceEvents"]) > 1000
+    assert trace.stat().st_size > 100_000
+    nowhere = _run("analyse", logs[1], "--perfetto", tmp_path / "no" / "run.pftrace")
+    assert nowhere.exit_code == 2
+    assert "cannot write the trace" in nowhere.stderr
 
 
 def test_check_says_what_it_looked_at(logs: tuple[Path, Path], tmp_path: Path) -> None:

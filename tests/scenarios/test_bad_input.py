@@ -233,7 +233,8 @@ FILES = {
             "[0.0, 19.0]", str([20.0 * k for k in range(11)])
         ),
         "geographer: a grid of 11 by 11 lines has 2476901 frontier states for each of 121 "
-        "intersections: 2997048274 cells an update, 2.2 GiB a belief; the shorter side may have at most 10 lines",
+        "intersections: 2997048274 cells an update, 2.2 GiB a belief; the shorter side may have at "
+        "most 10 lines",
     ),
 }
 

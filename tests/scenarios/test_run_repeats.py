@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -20,8 +17,6 @@ from tests.scenarios.runs import (
     script_of,
     shipped,
 )
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def little(seed: int = 1) -> Scenario:
@@ -58,14 +53,7 @@ def test_a_handler_that_reads_the_wall_clock_is_noticed(tmp_path: Path) -> None:
     assert first != log_in_process(script, tmp_path / "again.mcap", build)
 
 
-def spoilt_in_a_process(how: str, hash_seed: int, log: Path) -> bytes:
-    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed)}
-    command = [sys.executable, "-m", "tests.scenarios.spoilt", how, str(log)]
-    subprocess.run(command, env=environment, cwd=ROOT, check=True)
-    return log.read_bytes()
-
-
 @pytest.mark.parametrize("how, repeats", [("sound", True), ("set", False)])
 def test_a_handler_that_iterates_a_set_is_noticed(how: str, repeats: bool, tmp_path: Path) -> None:
-    logs = [spoilt_in_a_process(how, seed, tmp_path / f"{seed}.mcap") for seed in (1, 2)]
+    logs = [spoilt.log_in_a_process(how, seed, tmp_path / f"{seed}.mcap") for seed in (1, 2)]
     assert (logs[0] == logs[1]) is repeats

@@ -1,0 +1,164 @@
+"""Paths by least expected cost: what counts as an errand, what is chosen, what it takes."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bus.grid import DIRECTIONS, EAST, NORTH, OPPOSITE, STEP, Grid, Maps
+from modules.decider import Situation
+from modules.decider.outlook import (
+    WORLDS,
+    decide_by_outlook,
+    errands_of,
+    most_worlds,
+    outlook_cells,
+)
+from tests.decider.path_reference import all_maps
+
+every_map = functools.cache(all_maps)
+
+
+def situation(grid: Grid, maps: Maps, place: int, goal: int, **parts: object) -> Situation:
+    """Equally likely maps, one errand, none to come, unless parts say otherwise."""
+    plain = Situation(
+        grid=grid,
+        place=place,
+        came_from=0,
+        waypoints=(goal,),
+        tasks=np.empty((0, 2), np.int64),
+        expected=np.empty(0),
+        maps=maps,
+        weights=np.full(len(maps), 1 / len(maps)),
+        log_probability=np.zeros(len(maps)),
+        corridor_probability=maps.mean(axis=0),
+        corridor_s=np.full(grid.corridors, 100.0),
+        sensing_s=0.0,
+    )
+    return replace(plain, **parts)  # type: ignore[arg-type]
+
+
+@st.composite
+def situations(draw: st.DrawFn) -> Situation:
+    grid = draw(st.sampled_from([Grid(2, 2), Grid(3, 2), Grid(3, 3)]))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    maps = rng.permutation(every_map(grid))[: draw(st.integers(1, 200))]
+    tasks = draw(st.integers(0, 3))
+    place, goal = rng.permutation(grid.intersections)[:2].tolist()
+    return situation(
+        grid,
+        maps,
+        place,
+        goal,
+        tasks=rng.integers(0, grid.intersections, (tasks, 2)),
+        expected=rng.uniform(0, 4, tasks),
+        sensing_s=draw(st.sampled_from([0.0, 60.0])),
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(situations(), st.sampled_from((1, 2, 4, 8, 16)))
+def test_the_cells_known_beforehand_suffice_and_every_answer_can_be_driven(
+    s: Situation, worlds: int
+) -> None:
+    found = decide_by_outlook(s, worlds)
+    types = np.unique(s.grid.junction_types(s.maps)[:, s.place])
+    legs = len(errands_of(s).goals)
+    assert found.cells <= outlook_cells(s.grid, worlds, len(types), legs)
+    for junction_type in types[types > 0].tolist():
+        assert found.direction[junction_type] in DIRECTIONS
+        assert found.direction[junction_type] & junction_type
+    again = decide_by_outlook(s, worlds)
+    assert found.direction.tolist() == again.direction.tolist()
+    assert found.unknown_s.tobytes() == again.unknown_s.tobytes()
+
+
+def test_the_largest_problem_that_fits_is_known_beforehand() -> None:
+    grid = Grid(3, 3)
+    assert outlook_cells(grid, 4, types=2, legs=3) == 2 * 3 * 2 * (4 * (7 + 9))
+    assert most_worlds(grid, 2, 3, 2 * 3 * 2 * 64) == 4
+    assert most_worlds(grid, 2, 3, 2 * 3 * 2 * 64 - 1) == 2
+    assert most_worlds(grid, 2, 3, 10) is None
+    assert most_worlds(grid, 2, 3, 10**9) == WORLDS[-1]
+
+
+def test_later_errands_are_taken_twice_first_for_what_they_teach() -> None:
+    s = situation(
+        Grid(3, 2),
+        every_map(Grid(3, 2)),
+        0,
+        5,
+        tasks=np.array([[5, 0], [1, 2], [3, 4]]),
+        expected=np.array([3.0, 0.5, 0.0]),
+    )
+    errands = errands_of(s)
+    assert errands.goals.tolist() == [5, 5, 0, 1, 2, 5, 0]
+    assert errands.weight.tolist() == [1.0, 1.0, 1.0, 0.5, 0.5, 2.0, 2.0]
+
+
+@pytest.mark.parametrize(("there", "tries"), [(2, False), (6, True)])
+def test_a_shorter_way_is_tried_where_that_is_expected_to_take_less(
+    there: int, tries: bool
+) -> None:
+    # From 0 north about to 3 it takes 200 s, sure; east and then north 30 + 60 s where the last
+    # corridor exists, in 2 or in 6 of 8 maps, and 30 + 30 + 200 s where it does not.
+    grid = Grid(2, 2)
+    maps = np.ones((8, grid.corridors), np.uint8)
+    maps[there:, grid.corridor(1, 0, NORTH)] = 0
+    corridor_s = np.full(grid.corridors, 100.0)
+    corridor_s[grid.corridor(0, 0, EAST)] = 30.0
+    corridor_s[grid.corridor(1, 0, NORTH)] = 60.0
+    found = decide_by_outlook(situation(grid, maps, 0, 3, corridor_s=corridor_s), 64)
+    at = NORTH | EAST
+    # what would take longer even with the whole map seen at its end is not reckoned
+    assert found.known_s[at] == (np.inf if tries else pytest.approx(200.0))
+    assert found.unknown_s[at] == (pytest.approx(6 / 8 * 90.0 + 2 / 8 * 260.0) if tries else np.inf)
+    assert found.explores[at] == tries
+    assert found.direction[at] == (EAST if tries else NORTH)
+    assert found.hypotheses == 2
+
+
+def test_what_no_map_has_goes_by_hope_and_spare_time_is_refused() -> None:
+    s = situation(Grid(2, 2), np.ones((1, 4), np.uint8), 0, 3)
+    found = decide_by_outlook(s, 4)
+    assert found.direction[EAST] == EAST
+    assert np.isinf(found.known_s[EAST])
+    with pytest.raises(ValueError, match="without waypoints"):
+        decide_by_outlook(replace(s, waypoints=(0,)), 4)
+    with pytest.raises(ValueError, match="worlds_per_type is 0"):
+        decide_by_outlook(s, 0)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_who_follows_it_arrives(seed: int) -> None:
+    grid = Grid(3, 3)
+    rng = np.random.default_rng(seed)
+    maps = rng.permutation(every_map(grid))
+    types = grid.junction_types(maps)
+    truth = types[0]
+    place, goal = rng.permutation(np.flatnonzero(truth))[:2].tolist()
+    agree = (types[:, [place, goal]] > 0).all(axis=1)
+    came_from, steps = 0, 0
+    while place != goal:
+        s = situation(
+            grid,
+            maps[agree],
+            place,
+            goal,
+            came_from=came_from,
+            tasks=np.array([[goal, 0], [2, 6]]),
+            expected=np.array([2.0, 1.0]),
+            sensing_s=60.0,
+        )
+        direction = int(decide_by_outlook(s, 32).direction[truth[place]])
+        agree &= types[:, place] == truth[place]
+        x, y = grid.place(place)
+        dx, dy = STEP[direction]
+        place, came_from = grid.intersection(x + dx, y + dy), OPPOSITE[direction]
+        steps += 1
+        assert steps <= 2 * grid.corridors
