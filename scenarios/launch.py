@@ -13,13 +13,13 @@ from pathlib import Path
 from bus.link import endpoint
 from bus.topics import MODULES, RECORDER, WORLD
 from logs.wall import wall_path
-from scenarios.costs import cost_model
 from scenarios.draw import Drawn, draw
 from scenarios.in_process import run_in_process
 from scenarios.interrupt import interruptible
-from scenarios.module_order import ModuleOrder, Prices, write_module_order
+from scenarios.module_order import ModuleOrder, write_module_order
 from scenarios.modules import ModuleRefusedError
 from scenarios.order import Order, write_order
+from scenarios.parts import prices_of
 from scenarios.run_record import Script
 from scenarios.scenario import ScenarioError, find, load
 from scenarios.supervisor import Progress, Supervisor
@@ -122,8 +122,7 @@ def _write_orders(prepared: Prepared, log: Path, output: Path, at: str) -> dict[
     script, run = prepared.script, f"{os.getpid():x}-{time.time_ns():x}"
     whole = output / "run.json"
     write_order(Order(run, at, str(log.resolve()), script), whole)
-    costs = cost_model(script.scenario.compute)
-    prices = Prices(costs.profile, dict(costs.rates), dict(costs.extra_ns))
+    prices = prices_of(script.scenario.compute)
     orders = {WORLD: whole, RECORDER: whole}
     for name in MODULES:
         orders[name] = output / f"{name}.json"

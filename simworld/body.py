@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
-from simworld.keeping import in_the_middle, off_the_walls
+from simworld.keeping import Beside, in_the_middle, room_beside
 from simworld.motion import (
     Drive,
     Ping,
@@ -88,9 +88,9 @@ class Body:
         """A pose on a grid line, moved to the middle of the corridor there."""
         return in_the_middle(self._surroundings, on_line)
 
-    def beside(self, middle: Pose, left_m: float) -> Pose:
-        """The pose so far left of the middle of a corridor, as far as its walls let the robot."""
-        return off_the_walls(self._surroundings, middle, left_m)
+    def room_m(self, on_line: Pose) -> Beside:
+        """How far left and right of the middle of a corridor its walls let the robot be."""
+        return room_beside(self._surroundings, self.in_the_middle(on_line))
 
     def place(self, pose: Pose, driven_m: float, turned_rad: float) -> None:
         """Be somewhere, having driven and turned so much since."""
@@ -104,8 +104,10 @@ class Body:
         self._distance_m = self._turned_rad = 0.0
         return counted
 
-    def ping(self, people: People = ()) -> NDArray[np.float64]:
-        """One firing of the ring from where the robot is."""
+    def ping(
+        self, people: People = (), crossed_share: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """One firing of the ring from where the robot is; arguments as of ``sonar.echoes``."""
         pose = self.pose
         return echoes(
             self._ring,
@@ -115,4 +117,5 @@ class Body:
             pose.heading_rad,
             self._rng,
             people,
+            crossed_share,
         )

@@ -6,6 +6,8 @@ building are some decimetres beside them, and everybody walks where the corridor
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simworld.floor_plan import FloorPlan
@@ -27,8 +29,8 @@ LEAN = 0.05
 BUMPER_M = 0.3
 """From the robot's centre to a wall at which it goes no further sideways: its radius and 5 cm."""
 
-SHARES = np.linspace(1.0, 0.0, 14)
-"""Of the way aside, the farthest first."""
+ASIDE_M = np.linspace(0.0, 1.0, 41)
+"""Where room beside the middle is looked for."""
 
 
 def in_the_middle(surroundings: Surroundings, on_line: Pose) -> Pose:
@@ -45,13 +47,37 @@ def in_the_middle(surroundings: Surroundings, on_line: Pose) -> Pose:
     return on_line.beside(float(ACROSS_M[room.argmax(axis=1)].mean()))
 
 
-def off_the_walls(surroundings: Surroundings, middle: Pose, left_m: float) -> Pose:
-    """The pose so far left of the middle, or as far as leaves ``BUMPER_M`` to the walls."""
-    there = middle.beside(left_m)
+class Beside(NamedTuple):
+    """How far left and right of the middle of a corridor the robot can be, metres.
+
+    Where something stands in the middle (``clear`` is false), to the outer side of what is free
+    beside it.
+    """
+
+    left_m: float
+    right_m: float
+    clear: bool = True
+
+
+def room_beside(surroundings: Surroundings, middle: Pose) -> Beside:
+    """The room beside the middle of a corridor."""
     if not isinstance(surroundings, FloorPlan):
-        return there
-    tried_m = left_m * SHARES
+        room_m = max(0.0, surroundings.corridor_width_m / 2 - BUMPER_M)
+        return Beside(room_m, room_m)
+    return Beside(
+        _room_m(surroundings, middle, 1.0),
+        _room_m(surroundings, middle, -1.0),
+        bool(surroundings.clearance_m(middle.x_m, middle.y_m) >= BUMPER_M),
+    )
+
+
+def _room_m(plan: FloorPlan, middle: Pose, sign: float) -> float:
+    """To one side: ``sign`` is 1 for left."""
     c, s = np.cos(middle.heading_rad), np.sin(middle.heading_rad)
-    room = surroundings.clearance_m(middle.x_m - tried_m * s, middle.y_m + tried_m * c)
-    clear = np.flatnonzero(room >= BUMPER_M)
-    return middle.beside(float(tried_m[clear[0]])) if len(clear) else there
+    aside_m = sign * ASIDE_M
+    clear = plan.clearance_m(middle.x_m - aside_m * s, middle.y_m + aside_m * c) >= BUMPER_M
+    begins = int(clear.argmax())
+    if not clear[begins]:
+        return 0.0
+    ends = begins + int((~np.append(clear[begins:], False)).argmax()) - 1
+    return float(ASIDE_M[ends])

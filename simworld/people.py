@@ -51,9 +51,11 @@ class Body:
     aside_m: float = 0.65
 
     def __post_init__(self) -> None:
-        for name in ("radius_m", "speed_m_s", "lateral_m_s", "aside_m"):
+        for name in ("radius_m", "speed_m_s", "lateral_m_s"):
             if not getattr(self, name) > 0:
                 raise EncounterError(f"{name} must be positive, got {getattr(self, name)}")
+        if not self.aside_m >= 0:
+            raise EncounterError(f"aside_m must not be negative, got {self.aside_m}")
 
 
 @dataclass(frozen=True)

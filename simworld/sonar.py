@@ -95,11 +95,13 @@ def echoes(
     heading_rad: float,
     rng: np.random.Generator,
     people: People = (),
+    crossed_share: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """One ping of every transducer from a pose: (transducers,) in metres, nan where no echo.
 
     Noise, dropouts and cross-talk are drawn from ``rng``, the same number of draws whatever the
     surroundings. What is nearer than the ring's nearest range blinds that transducer.
+    ``crossed_share`` (transducers,), if given, is in place of the ring's ``cross_talk``.
     """
     heard = true_ranges_m(ring, surroundings, x_m, y_m, heading_rad, people)
     noise = rng.standard_normal(ring.transducers)
@@ -108,7 +110,7 @@ def echoes(
     limit = np.minimum(heard, ring.farthest_m)
     reading = heard + ring.sigma_m(limit) * noise
     reading[(lost < ring.dropout) | (reading > ring.farthest_m)] = np.nan
-    wrong = crossed < ring.cross_talk
+    wrong = crossed < (ring.cross_talk if crossed_share is None else crossed_share)
     reading[wrong] = (ring.nearest_m + where * (limit - ring.nearest_m))[wrong]
     np.maximum(reading, ring.nearest_m, out=reading)
     reading[blind] = np.nan

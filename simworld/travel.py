@@ -4,23 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeAlias
 
+import numpy as np
 import simpy
+from numpy.typing import NDArray
 
 from bus.messages import Odometry, Sonar
 from simworld.body import Body
+from simworld.door import Disc
 from simworld.drive import CorridorDrive
 from simworld.encounters import Encounters
+from simworld.keeping import Beside
+from simworld.meetings import Room
 from simworld.motion import Pose
 from simworld.people import Act
 from simworld.people import Body as CorridorBody
+from simworld.settings import FalseEchoSettings
+from simworld.sonar import SonarRing
 from simworld.voice import Speaker
 
 Steps: TypeAlias = Generator[simpy.Event, Any, None]
 
 QUICKEST_PING_NS = 240_000_000
 """The ring fires no more often: four transducers at once, 40 ms apart (assumption)."""
+
+ROOM_EVERY_M = 0.1
 
 ODOMETRY_EVERY = 5
 """Pings for each report of the wheels while nothing is near."""
@@ -29,7 +39,16 @@ ODOMETRY_EVERY = 5
 class Senses:
     """Fires the ring and reports odometry, from wherever the body is."""
 
-    def __init__(self, env: simpy.Environment, body: Body, speaker: Speaker) -> None:
+    def __init__(
+        self,
+        env: simpy.Environment,
+        body: Body,
+        speaker: Speaker,
+        ring: SonarRing,
+        false_echoes: tuple[FalseEchoSettings, ...],
+    ) -> None:
+        self._ring = ring
+        self._false_echoes = false_echoes
         self._env = env
         self._body = body
         self._say = speaker.say
@@ -47,7 +66,19 @@ class Senses:
         """Fire the ring once and say what came back."""
         self._pings += 1
         fired_ns = int(self._env.now)
-        self._say(Sonar(self._pings, action, fired_ns, self._body.ping(people)))
+        crossed = crossed_share(self._ring, self._false_echoes, fired_ns)
+        self._say(Sonar(self._pings, action, fired_ns, self._body.ping(people, crossed)))
+
+
+def crossed_share(
+    ring: SonarRing, false_echoes: tuple[FalseEchoSettings, ...], now_ns: int
+) -> NDArray[np.float64] | None:
+    """Share of crossed readings of each transducer, (transducers,); None for the ring's own."""
+    shares = np.full(ring.transducers, ring.cross_talk)
+    now = [f for f in false_echoes if 0.0 <= now_ns / 1e9 - f.at_s < f.lasts_s]
+    for false_echo in now:
+        shares[list(false_echo.transducers)] = false_echo.share
+    return shares if now else None
 
 
 @dataclass(frozen=True)
@@ -90,10 +121,10 @@ class Travel:
         self._drive: CorridorDrive | None = None
         self._changed = env.event()
 
-    def react(self, act: Act) -> None:
-        """Do something about what is ahead, from now on."""
+    def react(self, act: Act, aside_m: float) -> None:
+        """Do something about what is ahead from now on, so far aside if it goes aside."""
         if self._drive is not None:
-            self._drive.act(act, int(self._env.now))
+            self._drive.act(act, int(self._env.now), aside_m)
             self._wake()
 
     def attend(self, period_s: float) -> None:
@@ -108,7 +139,9 @@ class Travel:
 
     def along(self, way: Way, visit: int) -> Steps:
         """Drive a corridor from port to port."""
-        drive = CorridorDrive(int(self._env.now), way.length_m, self._kinematics)
+        drive = CorridorDrive(
+            int(self._env.now), way.length_m, self._kinematics, self._room_along(way)
+        )
         self._drive = drive
         pinged_ns = came_ns = int(self._env.now)
         farthest_m = 0.0
@@ -131,6 +164,15 @@ class Travel:
         self._encounters.over(drive)
         self._drive = None
 
+    def _room_along(self, way: Way) -> Room:
+        """Room beside the middle of a way, looked up every ``ROOM_EVERY_M``."""
+
+        @cache
+        def room(step: int) -> Beside:
+            return self._body.room_m(way.begins.after(step * ROOM_EVERY_M))
+
+        return lambda at_m: room(round(at_m / ROOM_EVERY_M))
+
     def _pause(self, drive: CorridorDrive, now_ns: int, due_ns: int) -> Steps:
         """Until something is due, the arrival, or a change of mind."""
         arrives_ns = drive.arrives_ns()
@@ -142,8 +184,7 @@ class Travel:
         before_m = drive.robot.s_m
         drive.advance_to(now_ns)
         middle = self._body.in_the_middle(way.begins.after(drive.robot.s_m))
-        here = self._body.beside(middle, drive.robot.y_m)
-        self._body.place(here, drive.robot.s_m - before_m, 0.0)
+        self._body.place(middle.beside(drive.robot.y_m), drive.robot.s_m - before_m, 0.0)
 
     def _ping(self, drive: CorridorDrive, way: Way, visit: int, now_ns: int) -> None:
         self._encounters.step_in(drive, way.corridor, now_ns)
@@ -151,9 +192,10 @@ class Travel:
         if self._period_ns < self._calm_ns or self._pings % ODOMETRY_EVERY == 0:
             self._senses.odometry()
         self._pings += 1
-        walker, person = drive.walker, drive.person
-        if walker is None or person is None:
-            self._senses.ping(0)
-            return
-        at = self._body.in_the_middle(way.begins.after(walker.s_m)).beside(walker.y_m)
-        self._senses.ping(0, ((at.x_m, at.y_m, person.radius_m),))
+        self._senses.ping(0, tuple(self._placed(way, disc) for disc in drive.heard()))
+
+    def _placed(self, way: Way, disc: Disc) -> Disc:
+        """A disc in corridor coordinates as one in the world's: x, y, radius."""
+        s_m, y_m, radius_m = disc
+        at = self._body.in_the_middle(way.begins.after(s_m)).beside(y_m)
+        return at.x_m, at.y_m, radius_m

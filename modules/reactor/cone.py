@@ -14,11 +14,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from bus.facts import Ring
+
 Floats: TypeAlias = NDArray[np.float64]
 
+TRANSDUCERS = 24
 HALF_ANGLE_RAD = math.radians(15.0)
-AXES_RAD: Floats = np.deg2rad([0.0, 15.0, -15.0])
-"""Where the three transducers that look ahead point; a *cone* is an index into this."""
+AXES_RAD: Floats = np.deg2rad([0.0, 15.0, -15.0, 30.0, -30.0])
+"""Where the five transducers that look ahead point; a *cone* is an index into this."""
 
 EDGES: Floats = np.stack(
     [
@@ -30,6 +33,20 @@ EDGES: Floats = np.stack(
     axis=1,
 )
 """Unit vectors along the left and the right edge of each cone, (cones, 4)."""
+
+
+class RingError(ValueError):
+    """A sonar ring whose cones are not those that the reactor's tables are made for."""
+
+
+def check_ring(ring: Ring) -> None:
+    """Raise RingError unless the ring's cones ahead are the five of AXES_RAD."""
+    if not (ring.transducers == TRANSDUCERS and math.isclose(ring.half_angle_rad, HALF_ANGLE_RAD)):
+        raise RingError(
+            f"found a ring of {ring.transducers} transducers with cones of "
+            f"{math.degrees(ring.half_angle_rad):g} degrees to each side, "
+            f"expected {TRANSDUCERS} of {math.degrees(HALF_ANGLE_RAD):g}"
+        )
 
 
 @njit(cache=True)

@@ -7,6 +7,7 @@ line where the robot is when it decides.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from numba import njit
@@ -44,27 +45,33 @@ class Body(NamedTuple):
         """Speed along the corridor while doing an act."""
         return _SHARE_OF_SPEED.get(act, 0.0) * self.speed_m_s
 
-    def goes_to_m(self, act: str, lateral_m: float) -> float:
-        """Where across the corridor an act ends: 0 is the centre line, left is positive."""
+    def goes_to_m(self, act: str, lateral_m: float, room_m: float = math.inf) -> float:
+        """Where across the corridor an act ends: 0 is the centre line, left is positive.
+
+        ``room_m`` is how far aside the walls leave room, on the side to which the act goes.
+        """
+        aside_m = min(self.aside_m, room_m)
         sides = {
             "continue": 0.0,
             "slow": 0.0,
-            "pull aside left": self.aside_m,
-            "pull aside right": -self.aside_m,
-            "pass left": self.aside_m,
-            "pass right": -self.aside_m,
+            "pull aside left": aside_m,
+            "pull aside right": -aside_m,
+            "pass left": aside_m,
+            "pass right": -aside_m,
         }
         return sides.get(act, lateral_m)
 
-    def across_m(self, act: str, lateral_m: float, elapsed_s: float) -> float:
+    def across_m(
+        self, act: str, lateral_m: float, elapsed_s: float, room_m: float = math.inf
+    ) -> float:
         """How far left of the centre line the robot is after doing an act for a while."""
         step = self.lateral_m_s * elapsed_s
-        off = self.goes_to_m(act, lateral_m) - lateral_m
+        off = self.goes_to_m(act, lateral_m, room_m) - lateral_m
         return lateral_m + max(-step, min(step, off))
 
-    def motion(self, act: str, lateral_m: float) -> Motion:
+    def motion(self, act: str, lateral_m: float, room_m: float = math.inf) -> Motion:
         """What doing an act is, for a robot so far left of the centre line."""
-        goal_m = self.goes_to_m(act, lateral_m)
+        goal_m = self.goes_to_m(act, lateral_m, room_m)
         return Motion(self.along_m_s(act), lateral_m, goal_m, self.lateral_m_s)
 
 

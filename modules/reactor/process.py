@@ -6,18 +6,26 @@ Nobody tells it that something comes: it must notice by itself.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping
 
 from bus.facts import Facts
 from bus.messages import Attention, Departure, Ranges, ReactionDecision
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
-from modules.reactor.meeting import Body
+from modules.reactor.cone import Floats, check_ring
+from modules.reactor.diagram import Settings as Reacting
+from modules.reactor.meeting import ACTS, LEFT, RIGHT, Body
+from modules.reactor.openness import sectors_m
 from modules.reactor.react import Reaction, react
+from modules.reactor.room import WIDE, Room
 from modules.reactor.settings import Settings
-from modules.reactor.tables import Settings as Reacting
+from modules.reactor.sides import PINGS, beside
 from modules.reactor.tables import compiled
 from modules.reactor.track import Scan, Tracker, updated
+
+NARROWER_M = 0.1
+"""Room that is less by this than when it was told to go aside is worth another word."""
 
 
 class Reactor:
@@ -35,6 +43,8 @@ class Reactor:
         self._said_s = -math.inf
         self._attentive = False
         self._lateral_m = 0.0
+        self._pings: deque[Floats] = deque(maxlen=PINGS)
+        self._aside_m = WIDE.left_m
         self._scan_before: tuple[MessageId, ...] = ()  # the last that went into the track
         self.handlers: Mapping[str, Handler] = {
             "percept/departure": self._departed,
@@ -45,6 +55,7 @@ class Reactor:
         turn.work("note", 1)
         self._tracker = Tracker()
         self._scan_before = ()
+        self._pings.clear()
         self._act, self._lateral_m = "continue", 0.0
         self._said_s = -math.inf
         self._attend(turn, False)
@@ -55,17 +66,27 @@ class Reactor:
         scan = Scan(time_s, said.mean_m, said.sigma_m, said.speed_m_s, self._lateral_m)
         self._tracker = updated(self._tracker, scan)
         turn.work("track", self._tracker.cells)
-        self._attend(turn, self._tracker.wants_attention or self._act != "continue")
-        reaction = react(self._tracker, self._act, self._diagram)
+        self._pings.append(sectors_m(said.mean_m))
+        sides = beside(tuple(self._pings), self._lateral_m, self._diagram.settings.body)
+        reaction = react(self._tracker, self._act, self._diagram, sides)
+        waits = reaction is not None and reaction.act != self._act
+        self._attend(turn, waits or self._tracker.wants_attention or self._act != "continue")
         if reaction is not None:
             turn.work("reaction", reaction.cells)
-            if reaction.due and (reaction.act != self._act or self._is_new(reaction)):
-                self._say(reaction, said.fired_ns, turn)
+            if reaction.due and self._is_worth_saying(reaction, sides.room):
+                self._say(reaction, sides.room.for_act(reaction.act), said.fired_ns, turn)
         self._scan_before = (turn.heard,)
 
-    def _is_new(self, reaction: Reaction) -> bool:
-        """Whether something certainly approaches that was not there when it last spoke."""
-        return reaction.newest_s > self._said_s
+    def _is_worth_saying(self, reaction: Reaction, room: Room) -> bool:
+        """Whether it would do something else, or nearer the middle for want of room.
+
+        Or something certainly approaches that was not there when it last spoke.
+        """
+        narrower = (
+            ACTS.index(reaction.act) in LEFT + RIGHT
+            and room.for_act(reaction.act) < self._aside_m - NARROWER_M
+        )
+        return reaction.act != self._act or narrower or reaction.newest_s > self._said_s
 
     def _moved_aside_m(self, time_s: float) -> float:
         """How far left of the centre line the last act has brought the robot by now."""
@@ -73,24 +94,29 @@ class Reactor:
         if before_s is None:
             return 0.0
         body = self._diagram.settings.body
-        return body.across_m(self._act, self._lateral_m, time_s - before_s)
+        return body.across_m(self._act, self._lateral_m, time_s - before_s, self._aside_m)
 
     def _attend(self, turn: Turn, attentive: bool) -> None:
         if attentive != self._attentive:
             self._attentive = attentive
             turn.say(Attention(self._attention_s if attentive else 0.0))
 
-    def _say(self, reaction: Reaction, fired_ns: int, turn: Turn) -> None:
-        self._act = reaction.act
+    def _say(self, reaction: Reaction, aside_m: float, fired_ns: int, turn: Turn) -> None:
+        self._act, self._aside_m = reaction.act, aside_m
         self._said_s = fired_ns / 1e9
         turn.say(
             ReactionDecision(
-                reaction.act, reaction.expected_utility, reaction.approaching, fired_ns
+                reaction.act,
+                reaction.expected_utility,
+                reaction.approaching,
+                fired_ns,
+                aside_m,
             ),
             *self._scan_before,
         )
 
 
 def build(facts: Facts, settings: Settings, _seed: int) -> Reactor:
-    """The reactor of one run."""
+    """The reactor of one run. Raises RingError for a ring that it does not know."""
+    check_ring(facts.ring)
     return Reactor(facts, settings)

@@ -9,9 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from modules.reactor.cone import Floats
+from modules.reactor.diagram import Settings
 from modules.reactor.meeting import ACTS, CONTINUE
 from modules.reactor.react_kernels import expected, in_classes
-from modules.reactor.tables import SIDES_M, Diagram, Settings
+from modules.reactor.room import rooms_of
+from modules.reactor.sides import UNSEEN, Sides
+from modules.reactor.tables import SIDES_M, Diagram
 from modules.reactor.track import Tracker
 from modules.reactor.track_kernels import APPROACHING, FALSE, FIRST_S, PINGS, STANDS_AT_M
 
@@ -20,11 +23,11 @@ from modules.reactor.track_kernels import APPROACHING, FALSE, FIRST_S, PINGS, ST
 class Encounter:
     """What is believed of one thing, as the influence diagram needs it.
 
-    ``what`` (what, ttc, line) sums to 1; ``side`` is the index in SIDES_M of where the robot is;
+    ``heard`` (heard, ttc, line) sums to 1; ``side`` is the index in SIDES_M of where the robot is;
     ``soon`` the probability that the thing is here within ``soon_s``.
     """
 
-    what: Floats
+    heard: Floats
     side: int
     soon: float
 
@@ -33,9 +36,9 @@ class Encounter:
 class Outlook:
     """What comes of each act in the order of ACTS, as far as one thing is concerned.
 
-    ``risk`` P(collision) and ``loss`` the expected loss besides, in seconds of the robot's
-    time; ``approaching`` the probability that the thing walks towards the robot; ``cells`` the
-    table entries touched; ``soon`` as in :class:`Encounter`.
+    ``risk`` is collision as a share of the worst and ``loss`` the expected loss besides, in
+    seconds of the robot's time; ``approaching`` the probability that the thing comes towards the
+    robot; ``cells`` the table entries touched; ``soon`` as in :class:`Encounter`.
     """
 
     risk: Floats
@@ -67,14 +70,17 @@ def encounter(belief: Floats, false: float, lateral_m: float, settings: Settings
     """The belief about a thing in the classes of the influence diagram."""
     body = settings.body
     reach_m = body.radius_m + settings.walking.radius_m
-    what, soon = in_classes(belief, false, reach_m, body.speed_m_s, settings.soon_s)
+    heard, soon = in_classes(belief, false, reach_m, body.speed_m_s, settings.soon_s)
     side = round((lateral_m - SIDES_M[0]) / (SIDES_M[1] - SIDES_M[0]))
-    return Encounter(what, min(max(side, 0), len(SIDES_M) - 1), soon)
+    return Encounter(heard, min(max(side, 0), len(SIDES_M) - 1), soon)
 
 
-def outlook(met: Encounter, diagram: Diagram) -> Outlook:
-    """What comes of each act in an encounter."""
-    return Outlook(*expected(met.what, diagram.risk[met.side], diagram.loss), soon=met.soon)
+def outlook(met: Encounter, diagram: Diagram, sides: Sides = UNSEEN) -> Outlook:
+    """What comes of each act in an encounter, given the room beside the robot and what is open."""
+    risk = diagram.risk[met.side]
+    stands_there = np.where(sides.open > 0.0, diagram.settings.overlooks, 1.0)
+    known = expected(met.heard, risk, rooms_of(sides.room), stands_there, diagram.loss)
+    return Outlook(*known, soon=met.soon)
 
 
 def utilities(outlooks: Sequence[Outlook], doing: int, diagram: Diagram) -> Floats:
@@ -93,33 +99,38 @@ def utilities(outlooks: Sequence[Outlook], doing: int, diagram: Diagram) -> Floa
     return utility
 
 
-def react(tracker: Tracker, doing: str, diagram: Diagram) -> Reaction | None:
+def react(tracker: Tracker, doing: str, diagram: Diagram, sides: Sides = UNSEEN) -> Reaction | None:
     """What to do now, the act of highest expected utility; None if nothing is worth a thought.
 
     A single echo tells neither speed nor truth, so it asks for attention
     (:attr:`Tracker.wants_attention`) and not for an act. A robot that has stopped or pulled
     aside goes on when nothing has called for attention for ``settings.clear_s`` seconds, and
-    not before.
+    not before; unless to stay aside is so dangerous that ``settings.escapes_s`` are to be won.
+    One that passes something stays aside for as long as that is beside it.
     """
     settings = diagram.settings
-    clear = tracker.quiet_s >= settings.clear_s
+    passes = doing.startswith("pass") and sides.abreast
+    clear = tracker.quiet_s >= settings.clear_s and not passes
     met = [(k, note) for k, note in enumerate(tracker.notes.tolist()) if _matters(note, settings)]
     if met:
         outlooks = [
             outlook(
-                encounter(tracker.beliefs[k], note[FALSE], tracker.lateral_m, settings), diagram
+                encounter(tracker.beliefs[k], note[FALSE], tracker.lateral_m, settings),
+                diagram,
+                sides,
             )
             for k, note in met
         ]
         utility = utilities(outlooks, ACTS.index(doing), diagram)
         best = int(utility.argmax())
         goes_on = best == CONTINUE and doing != "continue"
+        escapes = utility[best] - utility[ACTS.index(doing)] > settings.escapes_s
         return Reaction(
             act=ACTS[best],
             expected_utility=utility,
             approaching=tracker.approaching,
             cells=sum(one.cells for one in outlooks),
-            due=clear if goes_on else _is_due(outlooks, best, settings),
+            due=clear or escapes if goes_on else _is_due(outlooks, best, settings),
             newest_s=max(_first_s(note, settings) for _, note in met),
         )
     if doing == "continue" or not clear:

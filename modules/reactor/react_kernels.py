@@ -2,37 +2,43 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from modules.reactor.cone import Floats
-from modules.reactor.meeting import ACTS
-from modules.reactor.tables import (
+from modules.reactor.diagram import (
+    COMES_FAST,
+    COMES_SLOWLY,
     FALSE_ECHO,
+    HEARD,
+    SLOW_M_S,
     STANDS,
-    STANDS_EDGES_M,
-    TTC_CLASSES,
-    TTC_EDGES_S,
-    WALKS,
-    WHAT,
 )
+from modules.reactor.meeting import ACTS
+from modules.reactor.tables import STANDS_EDGES_M, TTC_CLASSES, TTC_EDGES_S
 from modules.reactor.thing import DISTANCE, LINES_M, SPEEDS_M_S, WEIGHT
+
+Ints: TypeAlias = NDArray[np.int64]
 
 
 @njit(cache=True)
 def in_classes(
     belief: Floats, false: float, reach_m: float, speed_m_s: float, soon_s: float
 ) -> tuple[Floats, float]:
-    """The belief about a thing by what it is, class of time or place, and line; P(soon).
+    """The belief about a thing by how it moves, class of time or place, and line; P(soon).
 
     ``reach_m`` is the distance at which it touches, ``speed_m_s`` how fast the robot drives;
     soon is within ``soon_s``.
     """
     soon = 0.0
-    what = np.zeros((len(WHAT), TTC_CLASSES, len(LINES_M)))
-    what[FALSE_ECHO, -1] = false / len(LINES_M)
+    heard = np.zeros((len(HEARD), TTC_CLASSES, len(LINES_M)))
+    heard[FALSE_ECHO, -1] = false / len(LINES_M)
     for row in range(len(SPEEDS_M_S)):
-        kind = STANDS if row == 0 else WALKS
+        kind = COMES_SLOWLY if SPEEDS_M_S[row] < SLOW_M_S else COMES_FAST
+        kind = STANDS if row == 0 else kind
         closing = SPEEDS_M_S[row] + speed_m_s
         for line in range(len(LINES_M)):
             weight = belief[WEIGHT, row, line]
@@ -40,9 +46,9 @@ def in_classes(
                 ahead = belief[DISTANCE, row, line]
                 seconds = (ahead - reach_m) / closing
                 at = _class(ahead, STANDS_EDGES_M) if row == 0 else _class(seconds, TTC_EDGES_S)
-                what[kind, at, line] += weight
+                heard[kind, at, line] += weight
                 soon += weight if seconds < soon_s else 0.0
-    return what, soon
+    return heard, soon
 
 
 @njit(cache=True)
@@ -55,20 +61,26 @@ def _class(value: float, edges: Floats) -> int:
 
 
 @njit(cache=True)
-def expected(what: Floats, risk_table: Floats, loss: Floats) -> tuple[Floats, Floats, float, int]:
-    """P(collision) and loss of each act, P(walks), entries touched.
+def expected(
+    heard: Floats, risk_table: Floats, rooms: Ints, stands_there: Floats, loss: Floats
+) -> tuple[Floats, Floats, float, int]:
+    """Collision and loss of each act, P(somebody comes), entries touched.
 
-    ``risk_table`` (acts, what, ttc, line) is that of the robot's side, ``loss`` (acts, what).
+    ``risk_table`` (rooms, acts, heard, ttc, line) is that of the robot's side, ``rooms`` (acts,)
+    the class of the room that each act has, ``stands_there`` (acts,) how much of the risk by what
+    stands remains when it was looked whether the way is open, ``loss`` (acts, heard).
     """
     risk, entries = np.zeros(len(ACTS)), 0
-    for kind in range(len(WHAT)):
+    kinds = np.zeros(len(HEARD))
+    for kind in range(len(HEARD)):
         for ttc in range(TTC_CLASSES):
             for line in range(len(LINES_M)):
-                p = what[kind, ttc, line]
+                p = heard[kind, ttc, line]
                 if p == 0.0:
                     continue
                 entries += len(ACTS)
+                kinds[kind] += p
                 for act in range(len(ACTS)):
-                    risk[act] += p * risk_table[act, kind, ttc, line]
-    kinds = np.array([what[0].sum(), what[1].sum(), what[2].sum()])
-    return risk, loss @ kinds, kinds[WALKS], entries
+                    hit = p * risk_table[rooms[act], act, kind, ttc, line]
+                    risk[act] += hit * stands_there[act] if kind == STANDS else hit
+    return risk, loss @ kinds, kinds[COMES_SLOWLY] + kinds[COMES_FAST], entries

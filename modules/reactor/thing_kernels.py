@@ -20,6 +20,7 @@ from modules.reactor.thing import (
     LINES_M,
     RADIUS_M,
     SPEEDS_M_S,
+    STANDS_PRIOR,
     VARIANCE,
     WEIGHT,
     EchoModel,
@@ -50,7 +51,8 @@ def bear(
             left = LINES_M[line] - lateral_m
             ahead = math.sqrt(max((echo_m + RADIUS_M) ** 2 - left * left, 0.01))
             _, heard, _ = expected(ahead, left, cone)
-            belief[WEIGHT, row, line] = prior * LINE_PRIOR[line] if heard else 0.0
+            on_line = STANDS_PRIOR[line] if row == 0 else LINE_PRIOR[line]
+            belief[WEIGHT, row, line] = prior * on_line if heard else 0.0
             belief[DISTANCE, row, line] = ahead
             # Which part was heard is not known: up to a radius further off than the nearest.
             belief[VARIANCE, row, line] = sigma_m**2 + (RADIUS_M / 4) ** 2

@@ -1,7 +1,7 @@
 """Does something approach? A belief over the things ahead, ping by ping.
 
-Only the transducers that look ahead matter: number 0 and its two neighbours. An echo that no
-known thing explains starts a new one; things that nothing speaks for are dropped.
+Only the transducers that look ahead matter: number 0 and two neighbours on either side. An echo
+that no known thing explains starts a new one; things that nothing speaks for are dropped.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from modules.reactor.track_kernels import (
     scanned,
 )
 
-FORWARD = [0, 1, -1]
+FORWARD = [0, 1, -1, 2, -2]
 """The transducers that look ahead, in the order of ``cone.AXES_RAD``."""
 
 USUAL = EchoModel()
@@ -47,16 +47,16 @@ class Scan:
     lateral_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.mean_m.shape != self.sigma_m.shape or self.mean_m.ndim != 1 or len(self.mean_m) < 3:
+        if self.mean_m.shape != self.sigma_m.shape or self.mean_m.ndim != 1 or len(self.mean_m) < 5:
             raise ScanError(
-                "a scan needs mean_m and sigma_m of one length of at least 3, got shapes "
+                "a scan needs mean_m and sigma_m of one length of at least 5, got shapes "
                 f"{self.mean_m.shape} and {self.sigma_m.shape}"
             )
 
     def echoes(self) -> Floats:
-        """Mean and standard deviation for each forward cone, (3, 2)."""
-        mean, sigma = self.mean_m, self.sigma_m
-        return np.array([(mean[0], sigma[0]), (mean[1], sigma[1]), (mean[-1], sigma[-1])])
+        """Mean and standard deviation for each forward cone, (5, 2)."""
+        echoes: Floats = np.stack([self.mean_m[FORWARD], self.sigma_m[FORWARD]], axis=1)
+        return echoes
 
 
 @dataclass(frozen=True, slots=True)

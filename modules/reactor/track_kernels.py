@@ -16,7 +16,7 @@ from modules.reactor.cone import Floats
 from modules.reactor.thing import DISTANCE, SHAPE, WEIGHT, EchoModel
 from modules.reactor.thing_kernels import bear, hide, listen, move
 
-CONES = 3
+CONES = 5
 MOST_THINGS = 6
 
 FALSE, PINGS, FIRST_S, APPROACHING, STANDS_AT_M = range(5)
@@ -26,7 +26,7 @@ certainly does not."""
 NOTES = 5
 
 SETTLED = 0.95
-"""Probability from which a thing counts as known to stand."""
+"""Probability from which a thing counts as known to stand, or to walk."""
 
 WALKS = 0.5
 """Probability from which a thing is taken for a walker when it is compared with others."""
@@ -73,14 +73,18 @@ def _heard(
 ) -> Floats:
     """Take in every forward echo for every thing; how well each echo is explained.
 
-    What is known to stand claims its echoes first, the nearest first: it hides the rest.
+    What is known to stand or to come claims its echoes first, the nearest first: it hides the
+    rest.
     """
     explained, walls = np.zeros(CONES), np.zeros(CONES)
     claims = np.empty(len(notes))
     for k in range(len(notes)):
         _note(beliefs[k], notes[k])
-        settled = beliefs[k, WEIGHT, 0].sum() > SETTLED
-        claims[k] = notes[k, STANDS_AT_M] if settled else np.inf
+        claims[k] = np.inf
+        if beliefs[k, WEIGHT, 0].sum() > SETTLED:
+            claims[k] = notes[k, STANDS_AT_M]
+        elif notes[k, APPROACHING] > SETTLED:
+            claims[k] = _walks_at_m(beliefs[k])
     for k in np.argsort(claims, kind="mergesort"):
         shares = _listen_all(beliefs[k], notes[k], echoes, walls, lateral_m, model)
         for cone in range(CONES):
@@ -94,7 +98,7 @@ def _heard(
 def _listen_all(
     belief: Floats, note: Floats, echoes: Floats, walls: Floats, lateral_m: float, model: EchoModel
 ) -> Floats:
-    """One thing after the forward echoes; ``walls`` says which are of a thing that stands."""
+    """One thing after the forward echoes; ``walls`` says which are of a thing before it."""
     shares = np.zeros(CONES)
     false = note[FALSE]
     for cone in range(CONES):

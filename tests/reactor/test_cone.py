@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from modules.reactor.cone import heard_in_cone
+from bus.facts import Ring
+from modules.reactor.cone import RingError, check_ring, heard_in_cone
 from simworld.building import build
 from simworld.sonar import SonarRing, true_ranges_m
 
@@ -58,3 +59,12 @@ def test_what_the_robot_stands_in_is_heard_at_once() -> None:
     range_m, heard = one(0.1, 0.05, AHEAD)
     assert heard and range_m == pytest.approx(0.0, abs=1e-4)
     assert not one(-0.1, 0.05, AHEAD)[1]
+
+
+def test_a_ring_of_other_cones_is_refused() -> None:
+    check_ring(Ring())
+    check_ring(Ring(farthest_m=6.0))
+    with pytest.raises(RingError, match=r"found a ring of 16 .* expected 24 of 15"):
+        check_ring(Ring(transducers=16))
+    with pytest.raises(RingError, match=r"cones of 10 degrees"):
+        check_ring(Ring(half_angle_rad=math.radians(10.0)))

@@ -17,9 +17,12 @@ from modules.reactor.thing import (
     LINE_PRIOR,
     LINES_M,
     SPEEDS_M_S,
+    STANDS_PRIOR,
     VARIANCE,
     EchoModel,
 )
+from modules.reactor.track import FORWARD
+from modules.reactor.track_kernels import CONES
 from tests.reactor.things import born, echoes_of_disc, listened, moved, reweighed
 
 SETTINGS = Settings()
@@ -28,12 +31,10 @@ MIDDLE = len(LINES_M) // 2
 DRIVE_M_S = 0.085
 
 
-def scan(
-    time_s: float, ahead: float, left: float = np.nan, right: float = np.nan, speed: float = 0.085
-) -> Scan:
-    """A ping of which only the forward transducers 0, 1 and -1 matter."""
+def scan(time_s: float, *echoes: float, speed: float = 0.085) -> Scan:
+    """A ping of which the first few of the forward transducers heard something."""
     ranges = np.full(24, np.nan)
-    ranges[[0, 1, -1]] = ahead, left, right
+    ranges[FORWARD[: len(echoes)]] = echoes
     return Scan(time_s, ranges, 0.01 * np.nan_to_num(ranges) + 0.01, speed)
 
 
@@ -165,7 +166,7 @@ def test_one_person_is_not_taken_for_two() -> None:
 
 def test_an_echo_of_which_the_better_half_is_missing_asks_for_attention() -> None:
     # At the side only two transducers hear him, and the one straight ahead has dropped out.
-    tracker = updated(Tracker(), scan(1.0, np.nan, left=7.0))
+    tracker = updated(Tracker(), scan(1.0, np.nan, 7.0))
     assert tracker.wants_attention
     assert not updated(tracker, scan(1.25, np.nan)).wants_attention
 
@@ -249,6 +250,8 @@ def test_whatever_is_heard_probabilities_stay_probabilities(
 def test_line_prior_is_uniform_across_the_corridor() -> None:
     # 0.1 m of 1.5 m for the line from 0.3 to 0.4.
     assert LINE_PRIOR.sum() == pytest.approx(1.0)
+    assert STANDS_PRIOR.sum() == pytest.approx(1.0)
+    assert (LINE_PRIOR[np.abs(LINES_M) > 0.75] == 0.0).all()
     assert LINE_PRIOR[int(np.abs(LINES_M - 0.35).argmin())] == pytest.approx(0.1 / 1.5)
     assert LINES_M[MIDDLE] == pytest.approx(0.0)
 
@@ -260,5 +263,5 @@ def test_what_has_become_impossible_is_not_worked_on_any_more() -> None:
         tracker = updated(tracker, scan(2.0 * k, 9.0 - 0.17 * k))
         cells.append(tracker.cells)
     assert tracker.things[0].standing > 0.99
-    assert max(cells) > 3 * len(SPEEDS_M_S) * len(LINES_M)
-    assert cells[-1] == 3 * (1 + len(LINES_M))  # one speed, nought, for three cones
+    assert max(cells) > CONES * len(SPEEDS_M_S) * len(LINES_M)
+    assert cells[-1] == CONES * (1 + len(LINES_M))  # one speed, nought

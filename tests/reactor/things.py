@@ -17,7 +17,7 @@ from modules.reactor.thing import (
 )
 from modules.reactor.thing_kernels import bear, listen, move
 from modules.reactor.track import Tracker
-from modules.reactor.track_kernels import NOTES, PINGS
+from modules.reactor.track_kernels import CONES, NOTES, PINGS
 
 NAN = float("nan")
 
@@ -81,6 +81,6 @@ def tracker_with(thing: Thing, time_s: float = 1.0, stands_at_m: float = np.inf)
 
 
 def echoes_of_disc(ahead_m: float, left_m: float) -> list[float]:
-    """What the three forward cones hear of a disc of a person's size, NaN for nothing."""
-    heard = [heard_in_cone(ahead_m, left_m, 0.25, cone) for cone in range(3)]
+    """What the forward cones hear of a disc of a person's size, NaN for nothing."""
+    heard = [heard_in_cone(ahead_m, left_m, 0.25, cone) for cone in range(CONES)]
     return [range_m if h and range_m < FARTHEST_M else NAN for range_m, h in heard]

@@ -43,18 +43,20 @@ def test_a_box_in_the_way_is_not_what_the_reflex_avoids() -> None:
 def test_aside_there_is_room_up_to_the_bumper() -> None:
     middle = Pose(10.0, 0.0, 0.0)
     for low_m, high_m in ((-0.7, 0.7), (-0.9, 0.55)):
-        left_m, right_m = room_beside(plan_of(low_m, high_m), middle)
+        left_m, right_m, clear = room_beside(plan_of(low_m, high_m), middle)
+        assert clear
         assert left_m == pytest.approx(high_m - BUMPER_M, abs=RESOLUTION_M + 1e-9)
         assert right_m == pytest.approx(-low_m - BUMPER_M, abs=RESOLUTION_M + 1e-9)
 
 
 def test_beside_a_box_there_is_room_behind_its_sides() -> None:
-    left_m, right_m = room_beside(plan_of(-0.9, 0.9, box=True), Pose(10.0, 0.0, 0.0))
+    left_m, right_m, clear = room_beside(plan_of(-0.9, 0.9, box=True), Pose(10.0, 0.0, 0.0))
+    assert not clear
     assert left_m == right_m == pytest.approx(0.9 - BUMPER_M, abs=RESOLUTION_M + 1e-9)
-    assert room_beside(plan_of(-0.2, 0.2), Pose(10.0, 0.0, 0.0)) == (0.0, 0.0)
+    assert room_beside(plan_of(-0.2, 0.2), Pose(10.0, 0.0, 0.0)) == (0.0, 0.0, False)
 
 
 def test_a_building_of_straight_corridors_is_left_as_it_is() -> None:
     pose = Pose(10.0, 0.0, 0.0)
     assert in_the_middle(CORRIDOR, pose) is pose
-    assert room_beside(CORRIDOR, pose) == pytest.approx((0.7, 0.7))
+    assert room_beside(CORRIDOR, pose) == pytest.approx((0.7, 0.7, True))
