@@ -85,7 +85,9 @@ def _lines(path: Path) -> list[str]:
     try:
         return path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise BaselineError(f"{path}: found {error.strerror}, expected a log, a folder of logs or a baseline") from None
+        raise BaselineError(
+            f"{path}: found {error.strerror}, expected a log, a folder of logs or a baseline"
+        ) from None
     except UnicodeDecodeError:
         raise BaselineError(
             f"{path}: found a file that is neither a log nor text, expected one of the two"
