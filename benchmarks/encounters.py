@@ -8,6 +8,10 @@ robot while any of the three transducers that look ahead hears something within 
 than it should be, and for three seconds after; ``never reacts`` drives on. A run whose robot
 comes no further for two minutes counts as stuck; seconds lost are those of the runs that are not.
 Everything is simulated time, so the numbers repeat on any machine.
+
+    python -m benchmarks.encounters --plan MAP.yaml [--seeds A:B]
+
+runs ``aces``, with its people, among the echoes of the floor plan of the real building instead.
 """
 
 from __future__ import annotations
@@ -17,19 +21,20 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 from scipy import stats
 
-from bus.messages import Arrival, RunEnded, TrueEncounter
+from bus.messages import Arrival, LedgerEntry, RunEnded, TrueEncounter
 from bus.turns import Module
 from scenarios.modules import build_module
 from scenarios.scenario import check
 from tests.scenarios.encounters import KINDS, Stops, drawn, replacing
 from tests.scenarios.outcomes import unmoved
-from tests.scenarios.runs import everything_said, of_kind
+from tests.scenarios.runs import everything_said, of_kind, shipped
 
 POLICIES: dict[str, Callable[..., Module]] = {
     "the reactor": build_module,
@@ -57,6 +62,42 @@ def run(kind: str, policy: str, seed: int) -> Result:
     driven_s = table["world"]["start"]["ahead_m"] / table["world"]["speed_m_s"]
     lost_s = arrivals[0].drive_s - driven_s if arrivals else float("nan")
     return Result(touched, lost_s, reason == "stuck")
+
+
+@dataclass(frozen=True)
+class Day:
+    """One run of ``aces`` on a floor plan."""
+
+    seed: int
+    reason: str
+    ended_s: float
+    met: int
+    touched: int
+    late: int
+
+
+def day(plan: Path, seed: int) -> Day:
+    """Run it."""
+    said = everything_said(shipped("aces", f"world.floor_plan={plan}", seed=seed).scenario)
+    met = of_kind(said, TrueEncounter)
+    return Day(
+        seed,
+        of_kind(said, RunEnded)[-1].reason,
+        said[-1].said_ns / 1e9,
+        len(met),
+        sum(one.collided for one in met),
+        sum(bool(entry.cause) for entry in of_kind(said, LedgerEntry)),
+    )
+
+
+def days(plan: Path, seeds: Sequence[int], jobs: int | None) -> Table:
+    """A row for each day."""
+    table = Table("seed", "ends", "after s", "met", "touched", "decisions late", title=str(plan))
+    with ProcessPoolExecutor(jobs) as pool:
+        for one in pool.map(partial(day, plan), seeds):
+            counts = (one.met, one.touched, one.late)
+            table.add_row(str(one.seed), one.reason, f"{one.ended_s:.0f}", *map(str, counts))
+    return table
 
 
 def per_thousand(hits: int, of: int) -> str:
@@ -92,7 +133,13 @@ def main() -> None:
     parser.add_argument("--policy", action="append", choices=list(POLICIES))
     parser.add_argument("--kind", action="append", choices=list(KINDS))
     parser.add_argument("--jobs", type=int, help="processes at once; all processors by default")
+    parser.add_argument("--plan", type=Path, help="a floor plan of ACES: whole days there instead")
+    parser.add_argument("--seeds", default="1:20", help="of those days, first and last")
     given = parser.parse_args()
+    if given.plan:
+        first, last = (int(text) for text in given.seeds.split(":"))
+        Console().print(days(given.plan.resolve(), range(first, last + 1), given.jobs))
+        return
     title = f"{given.encounters} encounters of each kind"
     table = Table("encounter", "policy", "touched in 1000", "seconds lost", "stuck", title=title)
     with ProcessPoolExecutor(given.jobs) as pool:

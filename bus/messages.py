@@ -247,7 +247,7 @@ class ReactionDecision(Message, frozen=True):
     expected_utility: FiniteFloats
     approaching: float
     fired_ns: int
-    aside_m: float = 0.65
+    aside_m: float
 
 
 class Motion(Message, frozen=True):

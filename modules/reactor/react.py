@@ -10,7 +10,7 @@ import numpy as np
 
 from modules.reactor.cone import Floats
 from modules.reactor.diagram import Settings
-from modules.reactor.meeting import ACTS, CONTINUE
+from modules.reactor.meeting import ACTS, LEFT, RIGHT
 from modules.reactor.react_kernels import expected, in_classes
 from modules.reactor.room import rooms_of
 from modules.reactor.sides import UNSEEN, Sides
@@ -123,7 +123,7 @@ def react(tracker: Tracker, doing: str, diagram: Diagram, sides: Sides = UNSEEN)
         ]
         utility = utilities(outlooks, ACTS.index(doing), diagram)
         best = int(utility.argmax())
-        goes_on = best == CONTINUE and doing != "continue"
+        goes_on = _goes_on(doing, ACTS[best])
         escapes = utility[best] - utility[ACTS.index(doing)] > settings.escapes_s
         return Reaction(
             act=ACTS[best],
@@ -136,6 +136,13 @@ def react(tracker: Tracker, doing: str, diagram: Diagram, sides: Sides = UNSEEN)
     if doing == "continue" or not clear:
         return None
     return Reaction("continue", -diagram.loss[:, 0], tracker.approaching, len(ACTS), due=True)
+
+
+def _goes_on(doing: str, act: str) -> bool:
+    """Whether an act goes on after another one, or leads back to the middle from beside it."""
+    if act == "slow":
+        return ACTS.index(doing) in LEFT + RIGHT
+    return act == "continue" and doing != "continue"
 
 
 def _first_s(note: Sequence[float], settings: Settings) -> float:

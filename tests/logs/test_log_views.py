@@ -215,7 +215,7 @@ WORDS: list[tuple[m.Message, int, str]] = [
         "sensing decision 5, visit 2 after action 3: detector 7 if 0 1; conclude NES if 2",
     ),
     (
-        m.ReactionDecision("stop", np.array([-1.0, -2.5]), 0.9, 0),
+        m.ReactionDecision("stop", np.array([-1.0, -2.5]), 0.9, 0, 0.65),
         Log.INFO,
         "reaction: stop; expected utilities -1, -2.5",
     ),

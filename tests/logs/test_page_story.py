@@ -82,7 +82,9 @@ def test_a_sensing_decision_is_told_by_the_outcome_that_came() -> None:
 
 
 def test_a_reaction_is_the_last_that_was_said_by_then() -> None:
-    acts = [m.ReactionDecision(act, np.zeros(2), 0.9, 0) for act in ("go on", "stop", "retreat")]
+    acts = [
+        m.ReactionDecision(act, np.zeros(2), 0.9, 0, 0.65) for act in ("go on", "stop", "retreat")
+    ]
     speaker, story = Speaker(), Story()
     for at_s, act in zip((1, 12, 14), acts, strict=True):
         story.hear(speaker.say(at_s, act))

@@ -92,7 +92,7 @@ def test_a_number_that_no_record_holds_is_refused(number: int) -> None:
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_numbers_that_are_not_finite_are_refused_where_they_must_be(value: float) -> None:
-    decision = m.ReactionDecision("stop", np.array([-1.0, value]), 0.9, 0)
+    decision = m.ReactionDecision("stop", np.array([-1.0, value]), 0.9, 0, 0.65)
     said = Sent("decision/reaction", "reactor", 0, -1, 0, (), decision)
     with pytest.raises(RefusedError, match=r"expected_utility.*not finite"):
         TAKER.take("decision/reaction", pack(said))

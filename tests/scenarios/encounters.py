@@ -128,7 +128,7 @@ class Stops:
         act = "stop" if now_s - self._alarmed_s < self.CLEAR_S else "continue"
         if act != self._act:
             self._act = act
-            turn.say(ReactionDecision(act, np.zeros(len(ACTS)), 0.0, said.fired_ns))
+            turn.say(ReactionDecision(act, np.zeros(len(ACTS)), 0.0, said.fired_ns, 0.0))
 
 
 def replacing(kind: Callable[[Facts], Module]) -> Callable[..., Module]:

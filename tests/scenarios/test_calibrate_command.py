@@ -109,6 +109,8 @@ def test_refuses_a_folder_and_the_kept_part_of_another_calibration(tmp_path: Pat
 def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     out, part = tmp_path / "model.json", tmp_path / "model.json.part"
     command = [sys.executable, str(ROOT / "waywiser.py"), "calibrate", "detectors"]
+    # a shell that runs the tests in the background has SIGINT ignored, and so has what it starts
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # so many trials that it cannot be through before it is stopped
     command += ["--trials", "20000", "--workers", "2", "--out", str(out)]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:

@@ -169,7 +169,7 @@ class Halts:
         turn.work("note", 1)
         if isinstance(said, Ranges) and not self._said:
             self._said = True
-            turn.say(ReactionDecision("stop", np.zeros(len(ACTS)), 0.0, said.fired_ns))
+            turn.say(ReactionDecision("stop", np.zeros(len(ACTS)), 0.0, said.fired_ns, 0.0))
 
 
 def halting(name: str, *arguments: Any) -> Module:
