@@ -1,8 +1,8 @@
 """The robot's body: where it really is, what its steps do, and what it senses.
 
-The low-level reflexes live here, as the paper has them below its decision processes: keeping
-to the middle of a corridor, and stopping at the port of an LDP. They leave the robot a little
-beside and a little askew of the port; that error is what detectors must bear.
+The low-level reflexes live here, as the paper has them below its decision processes: following
+a corridor and stopping at the port of an LDP, both by echoes (:mod:`simworld.approach`). They leave
+the robot a little beside and a little askew of the port; that error is what detectors must bear.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
+from simworld.approach import GATE, LOOKS_FROM_M, Expected, Stop, approach
 from simworld.keeping import Beside, in_the_middle, room_beside
 from simworld.motion import (
     Drive,
@@ -25,14 +26,23 @@ from simworld.motion import (
     duration_ns,
     random_odometer,
 )
+from simworld.ports import ears_of
 from simworld.sonar import People, SonarRing, Surroundings, echoes
 
 HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
-PORT_SIGMA_M = 0.03
-PORT_SIGMA_RAD = math.radians(1.0)
-"""How far off a port the reflex stops, along and across the corridor, and how askew
-(assumptions)."""
+BACK_SIGMA_M = 0.03
+BACK_SIGMA_RAD = math.radians(1.0)
+"""How far off the place where it stopped at first the robot is back after a sensing action, along
+and across the corridor, and how askew (assumptions)."""
+
+FOLLOWS_SIGMA_M = 0.05
+FOLLOWS_SIGMA_RAD = math.radians(2.0)
+"""How far beside the middle of a corridor, and how askew, the robot drives (assumptions)."""
+
+COUNT_SHARE = 0.01
+COUNT_M = 0.05
+"""What the robot thinks that its wheels miscount a corridor by: a share of it, and at the ends."""
 
 SLIP_SHARE = 0.01
 """How far a step misses what was commanded (assumption: wheels slip by 1 %)."""
@@ -60,19 +70,48 @@ class Body:
         self._rates = Rates(drive_m_s=speed_m_s, transducers=ring.transducers)
         self._rng = rng
         self._odometer = random_odometer(rng)
+        self._ears = ears_of(ring)
         self.pose = Pose(0.0, 0.0, 0.0)
         self._distance_m = 0.0
         self._turned_rad = 0.0
+        self._at_port = self.pose
 
     def takes_ns(self, step: Primitive) -> int:
         """How long a primitive of motion takes."""
         return duration_ns(step, self._rates)
 
-    def stop_at_port(self, port: Pose) -> None:
-        """Stand where the reflex that stops at a port leaves the robot."""
+    def approach(self, port: Pose, driven_m: float, width_m: float) -> Stop:
+        """Where the robot stops at the end of a corridor, its port being expected at ``port``.
+
+        It has counted ``driven_m`` since it was last sure of its place; corridors are
+        ``width_m`` wide. Nobody is about so near to a junction.
+        """
+        sigma_m = COUNT_M + COUNT_SHARE * driven_m
+        way_m = min(LOOKS_FROM_M + GATE * sigma_m, driven_m)
+        counted_m, _ = self._odometer.read(driven_m, 0.0, self._rng)
+        beside, askew = self._rng.standard_normal(2)
+        begins = self.in_the_middle(port.after(driven_m - counted_m - way_m))
+        begins = begins.beside(FOLLOWS_SIGMA_M * beside).after(0.0, FOLLOWS_SIGMA_RAD * askew)
+        expected = Expected(way_m, sigma_m, width_m)
+        return approach(begins, expected, self._ears, self._listen, self._slipped)
+
+    def arrive(self, stop: Stop) -> None:
+        """Stand where an approach ended."""
+        self.pose = self._at_port = stop.pose
+
+    def back_at_port(self) -> None:
+        """Be back where the approach ended, or near."""
         along, beside, askew = self._rng.standard_normal(3)
-        near = port.after(PORT_SIGMA_M * along).beside(PORT_SIGMA_M * beside)
-        self.pose = near.after(0.0, PORT_SIGMA_RAD * askew)
+        near = self._at_port.after(BACK_SIGMA_M * along).beside(BACK_SIGMA_M * beside)
+        self.pose = near.after(0.0, BACK_SIGMA_RAD * askew)
+
+    def _listen(self, pose: Pose) -> NDArray[np.float64]:
+        x_m, y_m, heading_rad = pose.x_m, pose.y_m, pose.heading_rad
+        return echoes(self._ring, self._surroundings, x_m, y_m, heading_rad, self._rng)
+
+    def _slipped(self, pose: Pose, forward_m: float, turn_rad: float) -> Pose:
+        forward, turn = 1.0 + SLIP_SHARE * self._rng.standard_normal(2)
+        return pose.after(float(forward) * forward_m, float(turn) * turn_rad)
 
     def step(self, step: Drive | Turn) -> None:
         """Be where a commanded step really ends."""

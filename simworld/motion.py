@@ -34,6 +34,11 @@ class Pose:
             self.heading_rad,
         )
 
+    def ahead_of_m(self, other: Pose) -> float:
+        """How far ahead of another pose it is, along the other's heading."""
+        c, s = math.cos(other.heading_rad), math.sin(other.heading_rad)
+        return (self.x_m - other.x_m) * c + (self.y_m - other.y_m) * s
+
     def after(self, distance_m: float, turn_rad: float = 0.0) -> Pose:
         """The pose after an arc of this length, turning evenly along it."""
         # The chord of an arc is shorter by sin(a) / a and leans by a, half the turn.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Hashable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -133,12 +134,25 @@ class Robot:
         if crossing_ns:
             yield self._env.timeout(crossing_ns)
             self._body.place(way.begins, 2 * self._half_m, turn_rad)
-        yield from self._travel.along(way, self.visit)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        yield from self._arrive(way)
         self._senses.odometry()
         self._say(Arrival(self.visit, self.heading, (self._now_ns - began_ns) / 1e9))
         self._say_pose()
         self._errands_at(self.place)
+
+    def _arrive(self, way: Way) -> Steps:
+        """Drive until the reflex stops at what it takes for the port.
+
+        Nothing that is met changes what its last metres sound like, so where it will stop is
+        found first, and the drive ends there.
+        """
+        port = way.begins.after(way.length_m)
+        stop = self._body.approach(port, way.length_m, 2 * self._half_m)
+        reached_m = way.length_m + stop.pose.ahead_of_m(port)
+        yield from self._travel.along(replace(way, length_m=reached_m), self.visit)
+        if stop.beyond_m > 0.0:
+            yield self._env.timeout(2 * self._body.takes_ns(Drive(stop.beyond_m)))
+        self._body.arrive(stop)
 
     def _say_pose(self) -> None:
         pose = self._body.pose
@@ -204,7 +218,7 @@ class Robot:
             else:
                 yield self._env.timeout(self._body.takes_ns(step))
                 self._body.step(step)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        self._body.back_at_port()
         self._senses.odometry()
         self._say(ActionEnded(motion.action))
 
@@ -237,7 +251,7 @@ class Robot:
         self._say(Blocked(self.visit, direction))
         self._ask_path(self._now_ns + there_ns)
         yield self._env.timeout(there_ns)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        self._body.back_at_port()
 
 
 def _turn_rad(heading: int, direction: int) -> float:

@@ -1,0 +1,137 @@
+"""The last metres to an LDP: the robot follows its corridor and stops where a wall changes.
+
+A reflex below the decision processes, by the echoes of its own firings, which nobody else hears.
+It knows how wide corridors are and, by the grid and its wheels, about where the port should be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simworld.following import Glimpse, InCorridor, located, steering_rad, wall_m
+from simworld.motion import Pose
+from simworld.ports import GONE_AFTER, Ears, end_at_m, has_ended
+
+LOOKS_FROM_M = 1.2
+"""How far before the port is expected it begins to look for it, beyond what it may err by."""
+
+STEP_M = 0.03
+"""Between two firings of the transducers it listens to: five of them, 40 ms each, take 2 cm."""
+
+GATE = 2.5
+"""A change further from where the port is expected than so many sigmas is a doorway's."""
+
+Listen = Callable[[Pose], NDArray[np.float64]]
+"""What the ring hears from a pose, (transducers,), nan for no echo."""
+
+Move = Callable[[Pose, float, float], Pose]
+"""Where a step forward and a turn, as commanded, really end."""
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What the robot knows beforehand: the way to the port by its count, and how sure it is.
+
+    ``way_m`` from where it begins to look, ``sigma_m`` its standard deviation; ``width_m`` of
+    the corridors, nominal.
+    """
+
+    way_m: float
+    sigma_m: float
+    width_m: float
+
+    def is_near(self, at_m: float) -> bool:
+        """Whether a port may be there."""
+        return abs(at_m - self.way_m) <= GATE * self.sigma_m
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where the robot stands, and how far it went beyond and came back, looking in vain.
+
+    ``by`` is what it stopped by: ``wall ends``, ``wall ahead`` or ``wheels``.
+    """
+
+    pose: Pose
+    beyond_m: float
+    by: str
+
+
+@dataclass
+class _Looking:
+    """What was heard since the robot began to look, by its count of the way."""
+
+    ears: Ears
+    expected: Expected
+    glimpses: list[Glimpse] = field(default_factory=list)
+    way_m: list[float] = field(default_factory=list)
+    early_left_m: list[float] = field(default_factory=list)
+    early_right_m: list[float] = field(default_factory=list)
+    ahead_m: list[float] = field(default_factory=list)
+    ended_m: list[float] = field(default_factory=list)
+
+    def hear(self, count: Pose, ranges_m: NDArray[np.float64]) -> None:
+        ears = self.ears
+        left_m, right_m = float(ranges_m[ears.left]), float(ranges_m[ears.right])
+        self.glimpses.append(Glimpse(count.x_m, count.y_m, count.heading_rad, left_m, right_m))
+        self.way_m.append(count.x_m)
+        self.early_left_m.append(float(ranges_m[ears.early_left]))
+        self.early_right_m.append(float(ranges_m[ears.early_right]))
+        self.ahead_m.append(float(ranges_m[ears.ahead]))
+
+    def place(self) -> InCorridor:
+        return located(self.glimpses, self.expected.width_m / 2.0)
+
+    def port_at_m(self, place: InCorridor) -> tuple[float, str] | None:
+        """Where on the count the port is, and by what; None while nothing tells."""
+        half_m = self.expected.width_m / 2.0
+        to_left_m = wall_m([glimpse.to_left_m for glimpse in self.glimpses], half_m)
+        to_right_m = wall_m([glimpse.to_right_m for glimpse in self.glimpses], half_m)
+        self._note_end(self.early_left_m, to_left_m, place.askew_rad)
+        self._note_end(self.early_right_m, to_right_m, -place.askew_rad)
+        if self.ended_m:
+            return self.ended_m[0], "wall ends"
+        end_m = end_at_m(self.way_m, self.ahead_m)
+        if end_m is None:
+            return None
+        # The junction's far side is as far from its port as the corridor is wide.
+        at_m = end_m - to_left_m - to_right_m
+        return (at_m, "wall ahead") if self.expected.is_near(at_m) else None
+
+    def _note_end(self, early_m: list[float], side_m: float, askew_rad: float) -> None:
+        """Where the wall of one side ends, if it has just left the cone ahead of the robot."""
+        if not has_ended(early_m, side_m):
+            return
+        last, first = self.way_m[-GONE_AFTER - 1], self.way_m[-GONE_AFTER]
+        at_m = (last + first) / 2.0 + side_m / math.tan(self.ears.leaves_rad + askew_rad)
+        if self.expected.is_near(at_m):
+            self.ended_m.append(at_m)
+
+
+def approach(begins: Pose, expected: Expected, ears: Ears, listen: Listen, move: Move) -> Stop:
+    """Drive from where the robot begins to look to where it takes the port to be.
+
+    Where nothing tells it goes on until there can be no port any more, and comes back to where
+    its wheels say that the port is.
+    """
+    looking = _Looking(ears, expected)
+    pose, count = begins, Pose(0.0, 0.0, 0.0)
+    farthest_m = expected.way_m + GATE * expected.sigma_m
+    while True:
+        looking.hear(count, listen(pose))
+        place = looking.place()
+        found = looking.port_at_m(place)
+        stops_m = found[0] if found else farthest_m
+        if count.x_m >= stops_m - STEP_M / 2.0:
+            break
+        turn_rad = steering_rad(place)
+        pose, count = move(pose, STEP_M, turn_rad), count.after(STEP_M, turn_rad)
+    at_m, by = found or (expected.way_m, "wheels")
+    back_m = at_m - count.x_m
+    pose = move(pose, back_m, -place.askew_rad)
+    return Stop(pose, max(0.0, -back_m), by)

@@ -1,0 +1,77 @@
+"""The robot finds ports by what it hears: where a wall ends, or how far the wall ahead is."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from bus.grid import EAST, JUNCTION_TYPES, WEST, Grid
+from scenarios.calibrate_detectors import junction
+from simworld.approach import Stop
+from simworld.body import COUNT_M, COUNT_SHARE, Body
+from simworld.fittings import Doorway, fitted
+from simworld.motion import Pose
+from simworld.sonar import SonarRing
+
+DRIVEN_M = 18.0
+ENTERED = [j for j in range(JUNCTION_TYPES) if j & WEST]
+STRAIGHT = EAST | WEST
+
+
+def stopped(
+    junction_type: int, seed: int, ring: SonarRing | None = None, door: Doorway | None = None
+) -> Stop:
+    """Where a robot stops that comes from the west, the port being at (0, 0)."""
+    rng = np.random.default_rng([junction_type, seed])
+    width_m = float(rng.uniform(1.8, 2.2))
+    building = fitted(junction(junction_type, width_m), [door] if door else [])
+    body = Body(ring or SonarRing(), building, 0.085, rng)
+    port = Pose(-width_m / 2, 0.0, 0.0)
+    stop = body.approach(port, DRIVEN_M, 2.0)
+    moved = Pose(stop.pose.ahead_of_m(port), stop.pose.y_m, stop.pose.heading_rad)
+    return Stop(moved, stop.beyond_m, stop.by)
+
+
+@pytest.mark.parametrize("junction_type", [j for j in ENTERED if j != STRAIGHT])
+def test_it_stops_at_the_port_of_a_junction_by_the_walls(junction_type: int) -> None:
+    stops = [stopped(junction_type, seed) for seed in range(12)]
+    by = "wall ahead" if junction_type == WEST else "wall ends"
+    found = [stop for stop in stops if stop.by == by]
+    assert len(found) >= 11
+    errors_m = np.array([stop.pose.x_m for stop in found])
+    assert np.abs(errors_m).max() < 0.1
+    assert errors_m.std() < 0.04, "the wheels alone miscount by 20 cm"
+
+
+def test_it_goes_by_its_wheels_where_no_wall_changes() -> None:
+    stops = [stopped(STRAIGHT, seed) for seed in range(25)]
+    assert {stop.by for stop in stops} == {"wheels"}
+    errors_m = np.array([stop.pose.x_m for stop in stops])
+    sigma_m = COUNT_M + COUNT_SHARE * DRIVEN_M
+    assert 0.05 < errors_m.std() < sigma_m
+    assert all(stop.beyond_m > 2 * sigma_m for stop in stops), "it looked for longer, in vain"
+
+
+def test_it_follows_the_corridor_to_the_port() -> None:
+    stops = [stopped(j, seed) for j in ENTERED for seed in range(4)]
+    assert max(abs(stop.pose.y_m) for stop in stops) < 0.04
+    assert max(abs(stop.pose.heading_rad) for stop in stops) < math.radians(2.0)
+
+
+@pytest.mark.parametrize("ring", [SonarRing(transducers=16), SonarRing(transducers=48)])
+def test_other_rings_find_ports_too(ring: SonarRing) -> None:
+    by = Counter(stopped(j, seed, ring).by for j in (0b1001, 0b1101) for seed in range(4))
+    assert by["wall ends"] >= 7
+
+
+def test_the_stub_of_a_closed_door_is_no_port() -> None:
+    door = Doorway(Grid(3, 3).corridor(0, 1, EAST), at_m=18.0, side="left", width_m=0.9)
+    stops = [stopped(0b1100, seed, door=door) for seed in range(8)]
+    assert np.abs([stop.pose.x_m for stop in stops]).max() < 0.1
+
+
+def test_an_approach_repeats() -> None:
+    assert stopped(0b1101, 3) == stopped(0b1101, 3)

@@ -1,0 +1,52 @@
+"""Where in its corridor the robot is, by a line through the echoes of its walls."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from simworld.following import FAR, Glimpse, InCorridor, located, offset_m, steering_rad
+
+HALF_M = 1.0
+
+
+def straight_on(left_m: float, askew_rad: float, half_m: float = HALF_M) -> list[Glimpse]:
+    """Glimpses of a robot that drives 1.2 m without turning, and counts it."""
+    glimpses = []
+    for forward_m in np.arange(0.0, 1.2, 0.03):
+        y_m = left_m + forward_m * math.tan(askew_rad)
+        glimpses.append(Glimpse(float(forward_m), 0.0, 0.0, half_m - y_m, half_m + y_m))
+    return glimpses
+
+
+@pytest.mark.parametrize("left_m", [-0.2, 0.0, 0.15])
+@pytest.mark.parametrize("askew_deg", [-4.0, 0.0, 3.0])
+def test_offset_and_heading_are_those_of_the_drive(left_m: float, askew_deg: float) -> None:
+    glimpses = straight_on(left_m, math.radians(askew_deg), half_m=0.9)
+    place = located(glimpses, HALF_M)
+    ends_m = left_m + glimpses[-1].forward_m * math.tan(math.radians(askew_deg))
+    # The slope is held towards 0 by the assumption about it: by a seventieth here.
+    assert place.left_m == pytest.approx(ends_m, abs=0.005)
+    assert math.degrees(place.askew_rad) == pytest.approx(askew_deg, rel=0.05, abs=1e-9)
+
+
+def test_a_stray_echo_turns_nobody() -> None:
+    glimpses = straight_on(0.0, 0.0)
+    glimpses[5] = replace(glimpses[5], to_left_m=0.4)
+    place = located(glimpses, HALF_M)
+    assert (place.left_m, place.askew_rad) == (0.0, 0.0)
+
+
+def test_one_wall_is_enough() -> None:
+    assert offset_m(Glimpse(0.0, 0.0, 0.0, 0.8, math.nan), HALF_M) == pytest.approx(0.2)
+    assert offset_m(Glimpse(0.0, 0.0, 0.0, FAR * HALF_M + 0.1, 0.9), HALF_M) == pytest.approx(-0.1)
+    assert math.isnan(offset_m(Glimpse(0.0, 0.0, 0.0, math.nan, math.nan), HALF_M))
+
+
+def test_it_steers_back_to_the_middle() -> None:
+    assert steering_rad(InCorridor(0.1, 0.0)) < 0.0 < steering_rad(InCorridor(-0.1, 0.0))
+    assert steering_rad(InCorridor(0.0, 0.0)) == 0.0
+    assert abs(steering_rad(InCorridor(5.0, 0.0))) < math.radians(5.0)
