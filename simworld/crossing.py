@@ -58,7 +58,7 @@ def _off_line_m(
         return 0.0
     room_m = np.minimum.reduce([_narrowest_m(plan, at_m, side, half_m) for side in sides])
     best = room_m - LEAN * np.abs(ACROSS_M)
-    return float(ACROSS_M[best >= best.max() - 1e-9].mean())
+    return float(ACROSS_M[best >= best.max() - plan.cells.resolution_m / 2].mean())
 
 
 def _narrowest_m(
