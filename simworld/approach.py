@@ -26,6 +26,9 @@ STEP_M = 0.03
 GATE = 2.5
 """A change further from where the port is expected than so many sigmas is a doorway's."""
 
+SURE = 1.5
+"""Within so many it is the port's at once; else the robot looks on for a better one."""
+
 Listen = Callable[[Pose], NDArray[np.float64]]
 """What the ring hears from a pose, (transducers,), nan for no echo."""
 
@@ -45,9 +48,18 @@ class Expected:
     sigma_m: float
     width_m: float
 
+    def off_m(self, at_m: float) -> float:
+        """How far a place is from where the port is expected."""
+        return abs(at_m - self.way_m)
+
     def is_near(self, at_m: float) -> bool:
         """Whether a port may be there."""
-        return abs(at_m - self.way_m) <= GATE * self.sigma_m
+        return self.off_m(at_m) <= GATE * self.sigma_m
+
+    @property
+    def last_m(self) -> float:
+        """Beyond this there is no port any more."""
+        return self.way_m + GATE * self.sigma_m
 
 
 @dataclass(frozen=True)
@@ -77,12 +89,23 @@ class _Looking:
 
     def hear(self, count: Pose, ranges_m: NDArray[np.float64]) -> None:
         ears = self.ears
-        left_m, right_m = float(ranges_m[ears.left]), float(ranges_m[ears.right])
-        self.glimpses.append(Glimpse(count.x_m, count.y_m, count.heading_rad, left_m, right_m))
         self.way_m.append(count.x_m)
+        left_m, right_m = float(ranges_m[ears.left]), float(ranges_m[ears.right])
+        if not self.glimpses or self.follows:  # beyond there may be no walls of the corridor
+            self.glimpses.append(Glimpse(count.x_m, count.y_m, count.heading_rad, left_m, right_m))
         self.early_left_m.append(float(ranges_m[ears.early_left]))
         self.early_right_m.append(float(ranges_m[ears.early_right]))
         self.ahead_m.append(float(ranges_m[ears.ahead]))
+
+    @property
+    def follows(self) -> bool:
+        """Whether the robot is still in its corridor, as far as it knows."""
+        return self.way_m[-1] <= self.expected.way_m
+
+    @property
+    def through(self) -> bool:
+        """Whether all is heard that can be a port's."""
+        return self.way_m[-1] >= self.expected.last_m - STEP_M / 2.0
 
     def place(self) -> InCorridor:
         return located(self.glimpses, self.expected.width_m / 2.0)
@@ -94,8 +117,11 @@ class _Looking:
         to_right_m = wall_m([glimpse.to_right_m for glimpse in self.glimpses], half_m)
         self._note_end(self.early_left_m, to_left_m, place.askew_rad)
         self._note_end(self.early_right_m, to_right_m, -place.askew_rad)
-        if self.ended_m:
-            return self.ended_m[0], "wall ends"
+        ended_m = min(self.ended_m, key=self.expected.off_m, default=None)
+        if ended_m is not None and (
+            self.through or self.expected.off_m(ended_m) <= SURE * self.expected.sigma_m
+        ):
+            return ended_m, "wall ends"
         end_m = end_at_m(self.way_m, self.ahead_m)
         if end_m is None:
             return None
@@ -121,15 +147,14 @@ def approach(begins: Pose, expected: Expected, ears: Ears, listen: Listen, move:
     """
     looking = _Looking(ears, expected)
     pose, count = begins, Pose(0.0, 0.0, 0.0)
-    farthest_m = expected.way_m + GATE * expected.sigma_m
     while True:
         looking.hear(count, listen(pose))
         place = looking.place()
         found = looking.port_at_m(place)
-        stops_m = found[0] if found else farthest_m
+        stops_m = found[0] if found else expected.last_m
         if count.x_m >= stops_m - STEP_M / 2.0:
             break
-        turn_rad = steering_rad(place)
+        turn_rad = steering_rad(place) if looking.follows else 0.0
         pose, count = move(pose, STEP_M, turn_rad), count.after(STEP_M, turn_rad)
     at_m, by = found or (expected.way_m, "wheels")
     back_m = at_m - count.x_m

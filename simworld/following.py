@@ -12,15 +12,21 @@ from numpy.typing import NDArray
 GLIMPSES = 50
 """So many are fitted together: 1.5 m of wall, which tells the heading to a third of a degree."""
 
-STRAYS_M = 0.08
-"""What is further off the line is of no wall: a door frame, a lost echo, or another's."""
+STRAYS_M = 0.03
+"""An echo so far off the line counts half: a door frame, a recess, or another's echo. Passes of
+reweighted least squares (Cauchy's weights) find the line that most of them lie on."""
+
+PASSES = 4
+
+ASKEW_BEFORE = 0.5
+"""The slope is about 0 beforehand, as much as this says beside errors of one: the robot came along
+the corridor, and recesses err all together."""
+
+MOST_SLOPE = math.tan(math.radians(6.0))
+"""Nobody who comes along a corridor is more askew; echoes that say so are not of its walls."""
 
 NEAR, FAR = 0.35, 1.7
 """Echoes of a wall, in half widths of the corridor."""
-
-ASKEW_BEFORE = 0.4
-"""The slope is about 0 beforehand: an echo's standard deviation, 2 cm, to the slope's, 3 degrees.
-So the first echoes, one of which may be another's, do not turn the robot round."""
 
 LEAD_M = 0.8
 """The robot aims at the corridor's middle so far ahead."""
@@ -88,11 +94,8 @@ def located(glimpses: Sequence[Glimpse], half_m: float) -> InCorridor:
     off = np.array([offset_m(glimpse, half_m) - glimpse.left_m for glimpse in last])
     heard = np.isfinite(off)
     if heard.sum() < 3:
-        return InCorridor(float(off[heard].mean()) if heard.any() else 0.0, 0.0)
+        return InCorridor(left_m=0.0, askew_rad=now.turned_rad)
     at_zero, slope = _line(along[heard], off[heard])
-    strays = np.abs(off - at_zero - slope * along) > STRAYS_M
-    if strays.any() and (heard & ~strays).sum() >= 3:
-        at_zero, slope = _line(along[heard & ~strays], off[heard & ~strays])
     return InCorridor(
         left_m=at_zero + slope * now.forward_m + now.left_m,
         askew_rad=math.atan(slope) + now.turned_rad,
@@ -100,10 +103,17 @@ def located(glimpses: Sequence[Glimpse], half_m: float) -> InCorridor:
 
 
 def _line(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
-    """Value at zero and slope of the line with the least squares, the slope being small."""
+    """Value at zero and slope of the line that fits most points, the slope being small."""
     lever = np.vstack([np.column_stack([np.ones(len(x)), x]), [0.0, ASKEW_BEFORE]])
-    at_zero, slope = np.linalg.lstsq(lever, np.append(y, 0.0), rcond=None)[0]
-    return float(at_zero), float(slope)
+    wanted = np.append(y, 0.0)
+    line = np.array([np.median(y), 0.0])
+    for _ in range(PASSES):
+        off = wanted - lever @ line
+        weight = 1.0 / np.sqrt(1.0 + (off / STRAYS_M) ** 2)
+        weight[-1] = 1.0
+        line = np.linalg.lstsq(lever * weight[:, None], wanted * weight, rcond=None)[0]
+    slope = max(-MOST_SLOPE, min(MOST_SLOPE, float(line[1])))
+    return float(np.median(y - slope * x)) if abs(slope) == MOST_SLOPE else float(line[0]), slope
 
 
 def steering_rad(place: InCorridor) -> float:

