@@ -12,17 +12,21 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from bus.features import Wedges
 from scenarios.detector_tally import Tally, tally_of
 
 ROOT = Path(__file__).parents[1]
 SOURCES = (
     "modules/detectors",
     "modules/classifier/geometry.py",
+    "bus/features.py",
     "simworld/building.py",
+    "simworld/fittings.py",
     "simworld/raycast.py",
     "simworld/sonar.py",
     "scenarios/calibrate_detectors.py",
     "scenarios/detector_tally.py",
+    "scenarios/trial_junction.py",
 )
 """What a trial's outcome comes from."""
 
@@ -34,8 +38,9 @@ class KeptError(ValueError):
 class Kept:
     """The kept part of one calibration. ``head`` says which: trials, seed, ring and so on."""
 
-    def __init__(self, path: Path, head: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, head: Mapping[str, Any], wedges: Wedges) -> None:
         self.path = path
+        self._wedges = wedges
         self._head = json.loads(json.dumps({**head, "code": code_fingerprint()}))
 
     def done(self) -> list[Tally]:
@@ -76,7 +81,7 @@ class Kept:
         for number, line in enumerate(text.splitlines()):
             try:
                 found = json.loads(line)
-                yield found if number == 0 else tally_of(found)
+                yield found if number == 0 else tally_of(found, self._wedges)
             except (KeyError, TypeError, ValueError) as error:
                 raise KeptError(
                     f"{self.path}: line {number + 1}: found {error}, expected the kept part of a "
