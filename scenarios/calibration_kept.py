@@ -51,11 +51,11 @@ class Kept:
         if not self.path.exists():
             self._append(self._head)
             return []
-        whole = self._whole_lines()
-        head, *tasks = whole or [None]
+        lines = self._whole_lines()
+        head = next(lines, None)
         if head != self._head:
             raise KeptError(f"{self.path}: {self._difference(head)}; delete it to begin anew")
-        return tasks
+        return list(lines)
 
     def keep(self, tally: Tally) -> None:
         """Write down one more task. Raises OSError."""
@@ -69,13 +69,13 @@ class Kept:
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
 
-    def _whole_lines(self) -> list[Any]:
+    def _whole_lines(self) -> Iterator[Any]:
         content = self.path.read_bytes()
         end = content.rfind(b"\n") + 1
         if end < len(content):
             with self.path.open("r+b") as file:
                 file.truncate(end)
-        return list(self._read(content[:end].decode("utf-8", errors="replace")))
+        return self._read(content[:end].decode("utf-8", errors="replace"))
 
     def _read(self, text: str) -> Iterator[Any]:
         for number, line in enumerate(text.splitlines()):

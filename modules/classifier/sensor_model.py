@@ -26,6 +26,13 @@ VERSION = 3
 EVIDENCE_CLASSES = 4
 """0 = surely absent, 1 = rather absent, 2 = rather present, 3 = surely present."""
 
+LEAST_TOLD = 0.2
+"""A detector is worth the search of a plan if it tells this share of what the best one tells. With
+the shipped model the others tell less than an eighth of it, or nothing, the rest four fifths."""
+
+NO_BITS = 1e-9
+"""Less is the rounding of nothing."""
+
 SHIPPED = Path(__file__).with_name("sensor_model.json")
 
 
@@ -35,7 +42,7 @@ def shape_of(wedges: Wedges) -> tuple[int, int, int, int]:
 
 
 class SensorModelError(ValueError):
-    """A sensor model that is missing, malformed, or of another version, ring or number of wedges."""
+    """A sensor model that is missing, malformed, or of another version, ring or wedges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,15 +124,17 @@ class SensorModel:
     def informative(self) -> tuple[tuple[NDArray[np.int64], Detectors], ...]:
         """For each heading N E S W the detectors that can tell types apart: codes and tables.
 
-        The others find the same whatever the type, since their feature is present at all or none
-        of the types that can be entered. Tables are over the types that can be, in order.
+        Most of the others find the same whatever the type, since their feature is present at all or
+        none of the types that can be entered; those of door jambs tell too little to be searched.
+        Tables are over the types that can be entered, in order.
         """
         return tuple(map(self._informative, range(len(DIRECTIONS))))
 
     def _informative(self, heading: int) -> tuple[NDArray[np.int64], Detectors]:
         by_class = self.class_given_type[heading].transpose(0, 2, 1)
         by_class = by_class[:, :, enterable(DIRECTIONS[heading])]
-        codes = np.flatnonzero((np.ptp(by_class, axis=2) > 0.0).any(axis=1))
+        bits = _bits(by_class)
+        codes = np.flatnonzero(bits > LEAST_TOLD * max(bits.max(), NO_BITS))
         told = np.ascontiguousarray(by_class[codes])
         return codes, Detectors(told, self.duration_by_detector_s[codes])
 
@@ -215,6 +224,16 @@ def _check_ring(found: Mapping[str, float], expected: Mapping[str, float] | None
             raise SensorModelError(
                 f"made with another ring: {key} is {found.get(key)}, expected {expected[key]}"
             )
+
+
+def _bits(by_class: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a reading tells of the type, all as probable before: (detectors, classes, types) given.
+
+    Mutual information in bits, (detectors,).
+    """
+    each = by_class.mean(axis=2, keepdims=True)
+    told: NDArray[np.float64] = (by_class * np.log2(by_class / each)).sum(axis=1).mean(axis=1)
+    return told
 
 
 def _by_detector(values: NDArray[Any]) -> dict[str, Any]:

@@ -49,6 +49,9 @@ DOORWAY_NATS = (26.0, 18.0)
 cone answers. Nats more for a residual e times as large, and if none answered. Fitted to trials:
 noise leaves 13 mm of a plain wall, a doorway 30 to 100."""
 
+LEAST_M = 1e-3
+"""No fit is better than this: noise is ten times as large."""
+
 MOST_DOORWAY_NATS = 4.0
 """No finding is surer than this: somebody may have stood there."""
 
@@ -72,11 +75,11 @@ class Wall:
     @property
     def doorway(self) -> float:
         """P(doorway|echoes, wall), even odds before."""
-        if not self.residual_m > 0.0:
+        if math.isnan(self.residual_m):
             return 0.5
         by_residual, by_silence = DOORWAY_NATS
-        nats = by_residual * math.log(self.residual_m / PLAIN_M) + by_silence * (1 - self.share)
-        return _chance(nats, MOST_DOORWAY_NATS)
+        nats = by_residual * math.log(max(self.residual_m, LEAST_M) / PLAIN_M)
+        return _chance(nats + by_silence * (1 - self.share), MOST_DOORWAY_NATS)
 
 
 class Look(NamedTuple):
