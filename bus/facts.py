@@ -22,7 +22,8 @@ class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """All that a module is told before the run; of the building, nothing but the grid's size.
 
     ``start`` is the intersection of the LDP it first drives to, with ``heading``: the landmark
-    on which it is registered (paper, section 6). ``corridor_width_m`` is nominal.
+    on which it is registered (paper, section 6). ``corridor_width_m`` is nominal; ``wedges`` is
+    how many the space about a port is divided into (:mod:`bus.features`).
     """
 
     columns: int
@@ -32,6 +33,7 @@ class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     speed_m_s: float
     corridor_width_m: float = 2.0
     ring: Ring = Ring()
+    wedges: int = 8
 
     @property
     def grid(self) -> Grid:

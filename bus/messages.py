@@ -117,7 +117,10 @@ class PoseBelief(Message, frozen=True):
 
 
 class Reading(Message, frozen=True):
-    """What detector d_{f,w} found: Pr(X_{f,w}) by its own lights, and the evidence class."""
+    """What detector d_{f,w} found: Pr(X_{f,w}) by its own lights, and the evidence class.
+
+    ``wedge`` is one of ``wedges`` (:mod:`bus.features`).
+    """
 
     visit: int
     action: int
@@ -125,6 +128,7 @@ class Reading(Message, frozen=True):
     wedge: int
     probability: float
     evidence: int
+    wedges: int = 8
 
 
 class JunctionPrior(Message, frozen=True):

@@ -111,7 +111,7 @@ class Calibrations:
 
     def read(self, reading: Reading) -> None:
         """A reading: the robot stands at the junction it is about."""
-        there = self._truth.feature(reading.visit, reading.feature, reading.wedge)
+        there = self._truth.feature(reading)
         if there is not None:
             self._features.add_events(np.array([reading.probability]), np.array([there]))
 

@@ -8,29 +8,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.grid import LEFT_OF, OPPOSITE, RIGHT_OF, Grid
-from bus.messages import Arrival, Blocked, Message, TrueBuilding, TruePose
-
-OPENING, FLAT_WALL, CONVEX_CORNER = range(3)
-WEDGES = 8
+from bus.features import USUAL, Wedges
+from bus.grid import Grid
+from bus.messages import Arrival, Blocked, Message, Reading, TrueBuilding, TruePose
 
 
-def feature_is_there(junction_type: int, heading: int, feature: int, wedge: int) -> bool:
+def feature_is_there(
+    junction_type: int, heading: int, feature: int, wedge: int, wedges: Wedges = USUAL
+) -> bool | None:
     """Whether X_{f,w} holds at a junction that is entered by a heading (paper, section 3).
 
-    Wedge 0 is straight ahead, the others follow by 45 degrees counter-clockwise; the place of a
-    side's opening is in 1 and 7, that of its near corner in 2 and 6, and the corridor the robot
-    came by, with its walls, is in 3 to 5.
+    None where the type does not say it: whether there is a door in a wall. Raises WedgeError.
     """
-    ahead = bool(junction_type & heading)
-    left, right = (bool(junction_type & side[heading]) for side in (LEFT_OF, RIGHT_OF))
-    behind = bool(junction_type & OPPOSITE[heading])
-    table = {
-        OPENING: (ahead, left, False, False, behind, False, False, right),
-        FLAT_WALL: (not ahead, not left, not left, True, False, True, not right, not right),
-        CONVEX_CORNER: (False, left & ahead, left, False, False, False, right, right & ahead),
-    }
-    return table[feature][wedge]
+    place = wedges.place(feature, wedge)
+    return False if place is None else place.shows(feature, junction_type, heading)
 
 
 class Truth:
@@ -76,9 +67,10 @@ class Truth:
         place = self.place(visit)
         return int(self.types[place]) if place is not None and place < len(self.types) else None
 
-    def feature(self, visit: int, feature: int, wedge: int) -> bool | None:
-        """Whether a feature is there at a visit, or None while it is not known."""
-        junction_type = self.junction_type(visit)
+    def feature(self, reading: Reading) -> bool | None:
+        """Whether the feature that was looked for is there, or None if that is not known."""
+        junction_type = self.junction_type(reading.visit)
         if junction_type is None:
             return None
-        return feature_is_there(junction_type, self._place_of[visit][1], feature, wedge)
+        heading, wedges = self._place_of[reading.visit][1], Wedges(reading.wedges)
+        return feature_is_there(junction_type, heading, reading.feature, reading.wedge, wedges)

@@ -2,7 +2,8 @@
 
 The paper (section 3) determines these numbers by experiment; here the experiment is simulated.
 A trial is one junction of random type, entered by a random heading in a corridor of random width,
-a little off the axis and askew, where every detector is run once on a body whose odometry errs.
+a little off the axis and askew, some walls with doors, where a body whose odometry errs looks once
+from every view.
 Each trial has its own random numbers, so the counts depend on the seed and the number of trials
 alone, never on how many workers share them.
 """
@@ -22,15 +23,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import FEATURES, WEDGES
-from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, OPPOSITE, SOUTH, WEST, Grid
-from modules.classifier.geometry import features_present
+from bus.features import FEATURES, USUAL, Wedges
+from bus.grid import DIRECTIONS, JUNCTION_TYPES, OPPOSITE
 from modules.classifier.sensor_model import SensorModel
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
-from modules.detectors.interpret import interpret
+from modules.detectors.interpret import Seen, finding, see
+from modules.detectors.views import View, view_of
 from scenarios.calibration_kept import Kept
 from scenarios.detector_tally import Tally, empty_tally
-from simworld.building import Building, build
+from scenarios.trial_junction import at_port, bystander, doorway, jambs, junction
+from simworld.building import Building
 from simworld.motion import Pose
 from simworld.sonar import SonarRing, echoes
 
@@ -47,25 +49,16 @@ HEADING_RAD = math.radians(4.0)
 ODOMETRY_SHARE = 0.02
 """Standard deviation of the true motion as a share of the commanded one (assumption)."""
 
-CORRIDOR_M = 20.0
-"""Longer than the sonar reaches, so that a far end never looks like a wall of the junction."""
-
 BYSTANDER_SHARE = 0.1
 """Share of actions during a part of which somebody stands about the junction (assumption). Without
 them the detectors hardly ever err in an empty building, and a model made there would be far too
 sure of itself among people."""
-
-BYSTANDER_RADIUS_M = 0.25
-BYSTANDER_KEEPS_OFF_M = 0.6
-"""The least distance between the centres of a bystander and the robot."""
 
 RING = SonarRing()
 """What the trials are run with unless another is given."""
 
 TRIALS_A_TASK = 25
 COMMAND = "waywiser calibrate detectors"
-
-_HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
 
 class CalibrationError(ValueError):
@@ -78,9 +71,11 @@ def calibrate(
     workers: int = 1,
     progress: Callable[[int], None] | None = None,
     ring: SonarRing = RING,
+    wedges: Wedges = USUAL,
 ) -> SensorModel:
     """Run the trials and count evidence classes by the truth of X. Raises CalibrationError."""
-    return model_of(run_trials(trials, seed, workers, progress, ring), trials, seed, ring)
+    tally = run_trials(trials, seed, workers, progress, ring, wedges=wedges)
+    return model_of(tally, trials, seed, ring)
 
 
 def run_trials(
@@ -90,6 +85,7 @@ def run_trials(
     progress: Callable[[int], None] | None = None,
     ring: SonarRing = RING,
     kept: Kept | None = None,
+    wedges: Wedges = USUAL,
 ) -> Tally:
     """The sums over all trials, those that were kept taken as they are.
 
@@ -102,8 +98,9 @@ def run_trials(
         )
     tasks = [range(k, min(k + TRIALS_A_TASK, trials)) for k in range(0, trials, TRIALS_A_TASK)]
     before = kept.done() if kept is not None else []
-    total = empty_tally()
-    for number, tally in enumerate(chain(before, _run(tasks[len(before) :], seed, workers, ring))):
+    total = empty_tally(wedges)
+    left = _run(tasks[len(before) :], seed, workers, ring, wedges)
+    for number, tally in enumerate(chain(before, left)):
         if kept is not None and number >= len(before):
             kept.keep(tally)
         total = total.plus(tally)
@@ -118,28 +115,27 @@ def model_of(
     """The model that the classifier loads; ``options`` are what else the command was given."""
     return SensorModel(
         counts=tally.counts,
-        durations_s=durations_s(),
+        durations_s=durations_s(tally.wedges),
         ring={key: float(value) for key, value in asdict(ring).items()},
         made_by=" ".join([COMMAND, f"--trials {trials} --seed {seed}", *options]),
     )
 
 
-def kept_part(path: Path, trials: int, seed: int, ring: SonarRing = RING) -> Kept:
+def kept_part(
+    path: Path, trials: int, seed: int, ring: SonarRing = RING, wedges: Wedges = USUAL
+) -> Kept:
     """The finished part of this calibration, kept in a file."""
-    return Kept(path, {"trials": trials, "seed": seed, "ring": asdict(ring)})
+    head = {"trials": trials, "seed": seed, "ring": asdict(ring), "wedges": wedges.count}
+    return Kept(path, head, wedges)
 
 
-def durations_s() -> NDArray[np.float64]:
+def durations_s(wedges: Wedges = USUAL) -> NDArray[np.float64]:
     """How long each detector takes by what it does: (features, wedges)."""
-    return np.array(
-        [
-            [
-                round(duration_s(plan(f, w, NOMINAL_WIDTH_M), CRAWL_M_S, TURN_RAD_S, PING_S), 3)
-                for w in range(WEDGES)
-            ]
-            for f in range(len(FEATURES))
-        ]
-    )
+    taken = np.empty((len(FEATURES), wedges.count))
+    for f, w in np.ndindex(taken.shape):
+        steps = plan(f, w, NOMINAL_WIDTH_M, wedges)
+        taken[f, w] = round(duration_s(steps, CRAWL_M_S, TURN_RAD_S, PING_S), 3)
+    return taken
 
 
 def share_right(model: SensorModel) -> NDArray[np.float64]:
@@ -152,9 +148,11 @@ def share_right(model: SensorModel) -> NDArray[np.float64]:
     return np.where(total > 0, right / np.maximum(total, 1), np.nan)
 
 
-def _run(tasks: Sequence[range], seed: int, workers: int, ring: SonarRing) -> Iterator[Tally]:
+def _run(
+    tasks: Sequence[range], seed: int, workers: int, ring: SonarRing, wedges: Wedges
+) -> Iterator[Tally]:
     """The tally of each task, in order."""
-    count = partial(_count, seed=seed, ring=ring)
+    count = partial(_count, seed=seed, ring=ring, wedges=wedges)
     if workers == 1 or len(tasks) < 2:
         yield from map(count, tasks)
         return
@@ -169,56 +167,45 @@ def _leave_ctrl_c_to_the_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _count(task: range, seed: int, ring: SonarRing) -> Tally:
-    total = empty_tally()
+def _count(task: range, seed: int, ring: SonarRing, wedges: Wedges) -> Tally:
+    total = empty_tally(wedges)
     for number in task:
-        total = total.plus(trial(np.random.default_rng([seed, number]), ring))
+        total = total.plus(trial(np.random.default_rng([seed, number]), ring, wedges))
     return total
 
 
-def trial(rng: np.random.Generator, ring: SonarRing) -> Tally:
-    """One trial: what every detector found, beside the truth of X."""
+def trial(rng: np.random.Generator, ring: SonarRing, wedges: Wedges = USUAL) -> Tally:
+    """One trial: what every detector found, beside the truth of X.
+
+    Detectors that share a view share its echoes.
+    """
     heading = int(rng.choice(DIRECTIONS))
     types = [j for j in range(JUNCTION_TYPES) if j & OPPOSITE[heading]]
     junction_type = int(rng.choice(types))
     width_m = float(rng.uniform(*WIDTHS_M))
-    building = junction(junction_type, width_m)
+    doors = jambs(junction_type, heading, rng)
+    doorways = [doorway(at, heading, width_m, rng) for at, there in doors.items() if there]
+    building = junction(junction_type, width_m, doorways)
     start = at_port(
         building,
         heading,
         lateral_m=float(rng.uniform(-LATERAL_M, LATERAL_M)),
         askew_rad=float(rng.uniform(-HEADING_RAD, HEADING_RAD)),
     )
-    truth = features_present(junction_type, heading).astype(np.int64)
-    tally = empty_tally()
+    tally = empty_tally(wedges)
     offsets_rad = np.array(ping_offsets_rad())
-    for f in range(len(FEATURES)):
-        for w in range(WEDGES):
-            ranges_m = act(plan(f, w, NOMINAL_WIDTH_M), start, building, ring, rng)
-            found = interpret(f, w, ranges_m, offsets_rad, NOMINAL_WIDTH_M)
-            tally.note(f, w, int(truth[f, w]), found.evidence, found.probability)
+    seen: dict[View, Seen] = {}
+    for f, w in np.ndindex(len(FEATURES), wedges.count):
+        view, place = view_of(f, w, wedges), wedges.place(f, w)
+        if view not in seen:
+            steps = plan(f, w, NOMINAL_WIDTH_M, wedges)
+            ranges_m = act(steps, start, building, ring, rng)
+            seen[view] = see(view, ranges_m, offsets_rad, NOMINAL_WIDTH_M)
+        found = finding(f, seen[view])
+        shown = place.shows(f, junction_type, heading) if place is not None else False
+        x = doors[place] if place is not None and shown is None else shown
+        tally.note(f, w, int(bool(x)), found.evidence, found.probability)
     return tally
-
-
-def junction(junction_type: int, width_m: float) -> Building:
-    """A building of nothing but one junction and the corridors it has, its centre at (0, 0)."""
-    grid = Grid(3, 3)
-    corridors = np.zeros(grid.corridors, dtype=np.uint8)
-    for direction in DIRECTIONS:
-        corridors[grid.corridor(1, 1, direction)] = bool(junction_type & direction)
-    lines_m = (-CORRIDOR_M, 0.0, CORRIDOR_M)
-    return build(lines_m, lines_m, corridors, width_m)
-
-
-def at_port(building: Building, heading: int, lateral_m: float, askew_rad: float) -> Pose:
-    """On the port line, ``lateral_m`` to the left of the axis, turned ``askew_rad`` to the left."""
-    axis = _HEADING_RAD[heading]
-    back_m = -building.corridor_width_m / 2
-    return Pose(
-        back_m * math.cos(axis) - lateral_m * math.sin(axis),
-        back_m * math.sin(axis) + lateral_m * math.cos(axis),
-        axis + askew_rad,
-    )
 
 
 def act(
@@ -258,15 +245,3 @@ def ping_poses(steps: Sequence[Step], start: Pose, rng: np.random.Generator) -> 
         else:
             pose = moved(pose, step.kind, step.amount * float(rng.normal(1.0, ODOMETRY_SHARE)))
     return poses
-
-
-def bystander(
-    building: Building, robot: Pose, rng: np.random.Generator
-) -> tuple[tuple[float, float, float], ...]:
-    """Somebody within three half widths of the junction's centre, clear of walls and robot."""
-    reach_m = 1.5 * building.corridor_width_m
-    while True:
-        x_m, y_m = (float(v) for v in rng.uniform(-reach_m, reach_m, size=2))
-        off_m = math.hypot(x_m - robot.x_m, y_m - robot.y_m)
-        if off_m >= BYSTANDER_KEEPS_OFF_M and building.clearance_m(x_m, y_m) >= BYSTANDER_RADIUS_M:
-            return ((x_m, y_m, BYSTANDER_RADIUS_M),)

@@ -11,6 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
+from bus.features import USUAL, WedgeError, Wedges
 from modules.classifier.sensor_model import SHIPPED
 from scenarios.calibrate_compute import calibrate_compute
 from scenarios.calibrate_detectors import RING, kept_part, model_of, run_trials
@@ -27,7 +28,11 @@ from simworld.sonar import SonarError, SonarRing
 
 @dataclass(frozen=True)
 class DetectorTrials:
-    """What the user asked for; ``workers`` None means every core, ``out`` the shipped file."""
+    """What the user asked for.
+
+    None means for ``workers`` every core, for ``out`` the shipped file, for ``wedges`` as many as
+    the scenario has, or the usual number.
+    """
 
     trials: int
     seed: int
@@ -36,6 +41,7 @@ class DetectorTrials:
     scenario: str | None = None
     change: tuple[str, ...] = ()
     workers: int | None = None
+    wedges: int | None = None
     as_json: bool = False
 
 
@@ -44,11 +50,16 @@ def detectors_command(asked: DetectorTrials) -> int:
     path = asked.out or SHIPPED
     partly = path.with_name(path.name + ".part")
     try:
-        ring = _ring(asked)
+        ring, wedges = _sensing(asked)
+        if wedges != USUAL and asked.out is None:
+            raise ScenarioError(
+                f"--wedges {wedges.count}: found no --out, expected a file: the shipped model is "
+                f"for {USUAL.count}"
+            )
         _check_writable(path, "--out")
         if asked.html is not None:
             _check_writable(asked.html, "--html")
-        tally = _tally(asked, ring, partly)
+        tally = _tally(asked, ring, wedges, partly)
         model = model_of(tally, asked.trials, asked.seed, ring, _options(asked))
         path.write_text(model.as_json(), encoding="utf-8")
         if asked.html is not None:
@@ -57,7 +68,7 @@ def detectors_command(asked: DetectorTrials) -> int:
     except KeyboardInterrupt:
         again = f"{partly} keeps what is done; the same command goes on from there"
         return refuse(f"stopped: {again}", INCONCLUSIVE, as_json=asked.as_json)
-    except (KeptError, ScenarioError, SonarError) as error:
+    except (KeptError, ScenarioError, SonarError, WedgeError) as error:
         return refuse(error, BAD_INPUT, as_json=asked.as_json)
     except OSError as error:
         said = f"{error.filename}: cannot be written ({error.strerror})"
@@ -70,30 +81,36 @@ def detectors_command(asked: DetectorTrials) -> int:
     return GOOD
 
 
-def _tally(asked: DetectorTrials, ring: SonarRing, partly: Path) -> Tally:
+def _tally(asked: DetectorTrials, ring: SonarRing, wedges: Wedges, partly: Path) -> Tally:
     workers = asked.workers or len(os.sched_getaffinity(0))
-    kept = kept_part(partly, asked.trials, asked.seed, ring)
+    kept = kept_part(partly, asked.trials, asked.seed, ring, wedges)
     with Progress(console=Console(stderr=True)) as bar:
         task = bar.add_task("trials", total=asked.trials)
 
         def tell(done: int) -> None:
             bar.update(task, completed=done)
 
-        return run_trials(asked.trials, asked.seed, workers, tell, ring, kept)
+        return run_trials(asked.trials, asked.seed, workers, tell, ring, kept, wedges)
 
 
-def _ring(asked: DetectorTrials) -> SonarRing:
-    """The ring of a scenario, or the usual one. Raises ScenarioError and SonarError."""
-    if asked.scenario is None:
-        if asked.change:
-            raise ScenarioError("--set: found without --scenario, expected a scenario to change")
-        return RING
-    return ring_of(load(find(asked.scenario), asked.change).world.sonar)
+def _sensing(asked: DetectorTrials) -> tuple[SonarRing, Wedges]:
+    """The ring and the wedges of a scenario, or the usual ones; ``--wedges`` comes first.
+
+    Raises ScenarioError and SonarError.
+    """
+    ring, wedges = RING, USUAL
+    if asked.scenario is not None:
+        scenario = load(find(asked.scenario), asked.change)
+        ring, wedges = ring_of(scenario.world.sonar), Wedges(scenario.sensing.wedges)
+    elif asked.change:
+        raise ScenarioError("--set: found without --scenario, expected a scenario to change")
+    return ring, wedges if asked.wedges is None else Wedges(asked.wedges)
 
 
 def _options(asked: DetectorTrials) -> list[str]:
-    """The options that tell which ring it was."""
+    """The options that tell which ring and which wedges it was."""
     named = [] if asked.scenario is None else [f"--scenario {asked.scenario}"]
+    named += [] if asked.wedges in (None, USUAL.count) else [f"--wedges {asked.wedges}"]
     return named + [f"--set {change}" for change in asked.change]
 
 

@@ -12,17 +12,21 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from bus.features import Wedges
 from scenarios.detector_tally import Tally, tally_of
 
 ROOT = Path(__file__).parents[1]
 SOURCES = (
     "modules/detectors",
     "modules/classifier/geometry.py",
+    "bus/features.py",
     "simworld/building.py",
+    "simworld/fittings.py",
     "simworld/raycast.py",
     "simworld/sonar.py",
     "scenarios/calibrate_detectors.py",
     "scenarios/detector_tally.py",
+    "scenarios/trial_junction.py",
 )
 """What a trial's outcome comes from."""
 
@@ -34,8 +38,9 @@ class KeptError(ValueError):
 class Kept:
     """The kept part of one calibration. ``head`` says which: trials, seed, ring and so on."""
 
-    def __init__(self, path: Path, head: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, head: Mapping[str, Any], wedges: Wedges) -> None:
         self.path = path
+        self._wedges = wedges
         self._head = json.loads(json.dumps({**head, "code": code_fingerprint()}))
 
     def done(self) -> list[Tally]:
@@ -46,11 +51,11 @@ class Kept:
         if not self.path.exists():
             self._append(self._head)
             return []
-        whole = self._whole_lines()
-        head, *tasks = whole or [None]
+        lines = self._whole_lines()
+        head = next(lines, None)
         if head != self._head:
             raise KeptError(f"{self.path}: {self._difference(head)}; delete it to begin anew")
-        return tasks
+        return list(lines)
 
     def keep(self, tally: Tally) -> None:
         """Write down one more task. Raises OSError."""
@@ -64,19 +69,19 @@ class Kept:
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
 
-    def _whole_lines(self) -> list[Any]:
+    def _whole_lines(self) -> Iterator[Any]:
         content = self.path.read_bytes()
         end = content.rfind(b"\n") + 1
         if end < len(content):
             with self.path.open("r+b") as file:
                 file.truncate(end)
-        return list(self._read(content[:end].decode("utf-8", errors="replace")))
+        return self._read(content[:end].decode("utf-8", errors="replace"))
 
     def _read(self, text: str) -> Iterator[Any]:
         for number, line in enumerate(text.splitlines()):
             try:
                 found = json.loads(line)
-                yield found if number == 0 else tally_of(found)
+                yield found if number == 0 else tally_of(found, self._wedges)
             except (KeyError, TypeError, ValueError) as error:
                 raise KeptError(
                     f"{self.path}: line {number + 1}: found {error}, expected the kept part of a "

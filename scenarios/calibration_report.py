@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from bus.features import FEATURES, WEDGES
+from bus.features import FEATURES
 from modules.classifier.sensor_model import SensorModel
 from scenarios.detector_tally import HELD, STATED, TRIALS, Tally
 
@@ -64,7 +64,7 @@ def detector_rows(model: SensorModel, tally: Tally) -> list[DetectorRow]:
     """Every detector, in the order of their codes."""
     rows = []
     for f, feature in enumerate(FEATURES):
-        for w in range(WEDGES):
+        for w in range(model.wedges.count):
             counts = model.counts[f, w]
             trials = int(counts.sum())
             present = float(counts[1].sum() / trials)

@@ -309,7 +309,9 @@ def replay(
     epilog="Examples: `waywiser calibrate detectors --trials 200 --out a.json --html a.html`; "
     "`waywiser calibrate detectors --scenario aces --set world.sonar.specular_limit_deg=42 "
     "--out plaster.json`, then `waywiser launch aces --set world.sonar.specular_limit_deg=42 "
-    "--set modules.classifier.sensor_model=plaster.json`. "
+    "--set modules.classifier.sensor_model=plaster.json`; "
+    "`waywiser calibrate detectors --wedges 12 --out 12.json`, then `waywiser launch aces --set "
+    "sensing.wedges=12 --set modules.classifier.sensor_model=12.json`. "
     "Exit status: 0 good, 2 bad input, 3 stopped; the same command then goes on.",
 )
 def calibrate_detectors(
@@ -322,7 +324,7 @@ def calibrate_detectors(
         Path | None, typer.Option(help="Also write the report as one HTML page.")
     ] = None,
     scenario: Annotated[
-        str | None, typer.Option(help="With the sonar ring of this scenario.")
+        str | None, typer.Option(help="With the sonar ring and the wedges of this scenario.")
     ] = None,
     change: Annotated[
         list[str] | None,
@@ -331,12 +333,18 @@ def calibrate_detectors(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; default one a core. Same counts.")
     ] = None,
+    wedges: Annotated[
+        int | None,
+        typer.Option(help="Into how many the circle is divided; default 8. Needs --out."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Determine Pr(S|X) by simulated trials of every detector; report curves and Brier scores."""
     from scenarios.calibrating import DetectorTrials, detectors_command
 
-    asked = DetectorTrials(trials, seed, out, html, scenario, tuple(change or ()), workers, as_json)
+    asked = DetectorTrials(
+        trials, seed, out, html, scenario, tuple(change or ()), workers, wedges, as_json
+    )
     raise typer.Exit(detectors_command(asked))
 
 

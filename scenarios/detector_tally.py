@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import FEATURES, WEDGES
-from modules.classifier.sensor_model import SHAPE
+from bus.features import Wedges
+from modules.classifier.sensor_model import shape_of
 
 BINS = 10
 """Bins of equal width for the probability that a detector states."""
@@ -17,14 +17,12 @@ BINS = 10
 TRIALS, STATED, HELD, SQUARED = range(4)
 """Sums of a bin: trials, stated probabilities, features that were there, squared errors."""
 
-BINNED = (len(FEATURES), WEDGES, BINS, 4)
-
 
 @dataclass(frozen=True, eq=False)
 class Tally:
     """Sums over trials.
 
-    ``counts`` is SHAPE (feature, wedge, X, class); ``binned`` (feature, wedge, bin, sums) says of
+    ``counts`` is (feature, wedge, X, class); ``binned`` (feature, wedge, bin, sums) says of
     the probabilities that each detector stated how many there were, their sum, how often X held,
     and the sum of (probability - X)^2.
     """
@@ -43,6 +41,11 @@ class Tally:
         sums += (1.0, probability, float(x), (probability - x) ** 2)
 
     @property
+    def wedges(self) -> Wedges:
+        """As many as it counts."""
+        return Wedges(self.counts.shape[1])
+
+    @property
     def brier(self) -> NDArray[np.float64]:
         """Mean of (probability - X)^2 by detector, (features, wedges); 0 is best, or no trials."""
         sums = self.binned.sum(axis=2)
@@ -54,15 +57,17 @@ class Tally:
         return {"counts": self.counts.tolist(), "binned": self.binned.tolist()}
 
 
-def empty_tally() -> Tally:
+def empty_tally(wedges: Wedges) -> Tally:
     """No trials yet."""
-    return Tally(np.zeros(SHAPE, np.int64), np.zeros(BINNED))
+    shape = shape_of(wedges)
+    return Tally(np.zeros(shape, np.int64), np.zeros((*shape[:2], BINS, 4)))
 
 
-def tally_of(lists: dict[str, Any]) -> Tally:
+def tally_of(lists: dict[str, Any], wedges: Wedges) -> Tally:
     """A tally as it was written. Raises KeyError, TypeError or ValueError for anything else."""
     counts = np.array(lists["counts"], dtype=np.int64)
     binned = np.array(lists["binned"], dtype=np.float64)
-    if counts.shape != SHAPE or binned.shape != BINNED:
+    empty = empty_tally(wedges)
+    if counts.shape != empty.counts.shape or binned.shape != empty.binned.shape:
         raise ValueError(f"shapes {counts.shape} and {binned.shape}")
     return Tally(counts, binned)

@@ -34,13 +34,20 @@ class Ground:
     heading: int
     speed_m_s: float
     ring: Ring
+    wedges: int
 
     @property
     def facts(self) -> Facts:
         """What the robot knows of it from the beginning."""
         grid = self.building.grid
         return Facts(
-            grid.columns, grid.rows, self.start, self.heading, self.speed_m_s, ring=self.ring
+            grid.columns,
+            grid.rows,
+            self.start,
+            self.heading,
+            self.speed_m_s,
+            ring=self.ring,
+            wedges=self.wedges,
         )
 
 
@@ -53,7 +60,8 @@ def draw_ground(scenario: Scenario, rng: np.random.Generator) -> Ground:
     """Draw it. Raises ScenarioError, BuildingError."""
     building = _building(scenario.world, rng)
     start, heading = _start(scenario, building, rng)
-    return Ground(building, start, heading, scenario.world.speed_m_s, _ring(scenario.world.sonar))
+    ring, wedges = _ring(scenario.world.sonar), scenario.sensing.wedges
+    return Ground(building, start, heading, scenario.world.speed_m_s, ring, wedges)
 
 
 def _ring(settings: SonarSettings) -> Ring:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from bus.costs import KINDS
+from bus.features import FEWEST, MOST, USUAL
 from bus.topics import MODULES
 from scenarios.explain import explained, one_of, out_of_range, shown
 from scenarios.modules import settings_type
@@ -39,6 +40,15 @@ class Compute(_Table, frozen=True):
     profile: Literal["free", "host", "huey-1990"] = "host"
     processors: Annotated[int, msgspec.Meta(ge=1)] | Literal["one each"] = "one each"
     slower: dict[str, NotNegative] = {}
+
+
+class Sensing(_Table, frozen=True):
+    """Into how many wedges the space about a port is divided; the sensor model must be of as many.
+
+    Another number than 8 needs a model of its own: ``waywiser calibrate detectors --wedges N``.
+    """
+
+    wedges: Annotated[int, msgspec.Meta(ge=FEWEST, le=MOST)] = USUAL.count
 
 
 class Expect(_Table, frozen=True):
@@ -85,6 +95,7 @@ class Scenario(_Table, frozen=True):
     errand: tuple[ErrandSettings, ...] = ()
     random_errands: RandomErrands | None = None
     compute: Compute = Compute()
+    sensing: Sensing = Sensing()
     modules: dict[str, dict[str, Any]] = {}
     bus: BusSettings = BusSettings()
     expect: tuple[Expect, ...] = ()

@@ -15,10 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import DETECTORS
+from bus.features import Wedges
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
 from modules.classifier.geometry import enterable, heading_number
-from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood, once_each
+from modules.classifier.likelihood import (
+    Reading,
+    ReadingError,
+    check_detector,
+    check_readings,
+    junction_likelihood,
+)
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 from modules.classifier.worth import (
     DECIMALS,
@@ -149,7 +155,7 @@ def problem_of(
     cost_s: NDArray[np.float64],
 ) -> Problem:
     """The problem of a choice; arguments and errors as for :func:`choose`."""
-    used = _used(readings, running)
+    used = _used(readings, running, model.wedges)
     belief, chance = _beliefs(prior, readings, running, heading, model)
     _check_cost(cost_s)
     entered = enterable(heading)
@@ -214,12 +220,11 @@ def _cells_of_beliefs(readings: int, outcomes: int) -> int:
     return JUNCTION_TYPES * (readings + outcomes)
 
 
-def _used(readings: Sequence[Reading], running: int | None) -> list[int]:
-    once_each(readings)
+def _used(readings: Sequence[Reading], running: int | None, wedges: Wedges) -> list[int]:
+    check_readings(readings, wedges)
     used = [reading.detector for reading in readings]
     if running is not None:
-        if not 0 <= running < DETECTORS:
-            raise ReadingError(f"detectors are 0..{DETECTORS - 1}, got {running} running")
+        check_detector(running, wedges)
         if running in used:
             raise ReadingError(f"detector {running} runs again in one visit")
         used.append(running)

@@ -1,21 +1,9 @@
 """Which features a junction shows in which wedge: Pr(X|J), determined by the geometry.
 
-The robot exits a port heading into the LDP (paper, section 3). The local frame has its
-origin on the port line, centred in the corridor, +x ahead and +y left; the junction is the
-square x 0..w, y -w/2..w/2, w the corridors' width. Eight wedges of 45 degrees, wedge k
-centred k * 45 degrees counter-clockwise. A feature belongs to the wedge that holds its place:
-
-=====  ==================================================================
-wedge  holds
-=====  ==================================================================
-0      the far side of the square, at (w, 0)
-1      the middle of the left side (w/2, w/2), at 45 degrees, and the
-       far-left corner (w, w/2), at 26.6 degrees
-2      the near-left corner (0, w/2), at 90 degrees
-3      the left wall of the corridor behind
-4      the corridor behind
-5..7   as 3..1, on the right
-=====  ==================================================================
+The robot exits a port heading into the LDP (paper, section 3). Where in the local frame features
+may be, which wedge holds each place, and which of them follow from the junction's type says
+:mod:`bus.features`. Door jambs do not follow from it: they may be in any wall, with a probability.
+The walls behind are beyond the junction itself, in the corridor that the robot came by.
 """
 
 from __future__ import annotations
@@ -25,8 +13,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import CONVEX_CORNER, FEATURES, FLAT_WALL, OPENING, WEDGES
-from bus.grid import DIRECTIONS, JUNCTION_TYPES, LEFT_OF, OPPOSITE, RIGHT_OF
+from bus.features import FEATURES, USUAL, Wedges
+from bus.grid import DIRECTIONS, JUNCTION_TYPES, OPPOSITE
+
+JAMB_RATE = 0.2
+"""Pr(door jamb|a wall is there): offices of five metres have a door each, and a doorway counts if
+its middle is within a metre of wall, half to either side of the place (assumption)."""
 
 
 class HeadingError(ValueError):
@@ -40,43 +32,31 @@ def heading_number(heading: int) -> int:
     return DIRECTIONS.index(heading)
 
 
-def features_present(junction_type: int, heading: int) -> NDArray[np.bool_]:
-    """Which X_{f,w} hold at a junction entered by a heading: (features, wedges).
+def presence(junction_type: int, heading: int, wedges: Wedges = USUAL) -> NDArray[np.float64]:
+    """Pr(X_{f,w}=1|J) at a junction entered by a heading: (features, wedges).
 
     The robot came by the corridor behind it, so a type without that corridor cannot be where
-    it is: for such a type no feature is present, not even the opening in wedge 4, which is
-    therefore the evidence that rules the type out. For the types that can be entered,
-
-    - an opening is present ahead (0), left (1), right (7) where the corridor is, always
-      behind (4), never in the other wedges;
-    - a flat wall is present in 0, 1, 7 where no corridor is; in 2 and 6 where the side's wall
-      runs on through the near corner's place, that is where the side is closed; always in 3
-      and 5, never in 4;
-    - a convex corner is present in 2 and 6 where the side is open, in 1 and 7 where both the
-      side and the way ahead are open; nowhere else.
+    it is: for such a type no feature is present, not even the opening behind, which is
+    therefore the evidence that rules the type out. All but door jambs is certain.
 
     Raises HeadingError.
     """
     heading_number(heading)
-    present = np.zeros((len(FEATURES), WEDGES), dtype=np.bool_)
+    found = np.zeros((len(FEATURES), wedges.count))
     if not junction_type & OPPOSITE[heading]:
-        return present
-    ahead = bool(junction_type & heading)
-    left = bool(junction_type & LEFT_OF[heading])
-    right = bool(junction_type & RIGHT_OF[heading])
-    present[OPENING] = (ahead, left, False, False, True, False, False, right)
-    present[FLAT_WALL] = (not ahead, not left, not left, True, False, True, not right, not right)
-    present[CONVEX_CORNER] = (False, left & ahead, left, False, False, False, right, right & ahead)
-    return present
+        return found
+    for feature, wedge in np.ndindex(found.shape):
+        place = wedges.place(feature, wedge)
+        if place is not None:
+            shown = place.shows(feature, junction_type, heading)
+            found[feature, wedge] = JAMB_RATE if shown is None else shown
+    return found
 
 
 @cache
-def presence_table() -> NDArray[np.bool_]:
+def presence_table(wedges: Wedges = USUAL) -> NDArray[np.float64]:
     """Pr(X=1|J) for every heading and type: (headings N E S W, types, features, wedges)."""
-    table = np.array(
-        [[features_present(j, h) for j in range(JUNCTION_TYPES)] for h in DIRECTIONS],
-        dtype=np.bool_,
-    )
+    table = np.array([[presence(j, h, wedges) for j in range(JUNCTION_TYPES)] for h in DIRECTIONS])
     table.flags.writeable = False
     return table
 
@@ -86,4 +66,5 @@ def enterable(heading: int) -> NDArray[np.bool_]:
 
     Raises HeadingError.
     """
-    return presence_table()[heading_number(heading), :, OPENING, WEDGES // 2]
+    heading_number(heading)
+    return np.array([bool(j & OPPOSITE[heading]) for j in range(JUNCTION_TYPES)])

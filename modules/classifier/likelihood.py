@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import DETECTORS, WEDGES
+from bus.features import Wedges
 from modules.classifier.geometry import enterable, heading_number
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 
@@ -27,27 +27,15 @@ class ReadingError(ValueError):
 class Reading:
     """The evidence class that one detector found; ``detector`` is feature * wedges + wedge.
 
-    Raises ReadingError for a detector or class that does not exist.
+    Raises ReadingError for a class that does not exist.
     """
 
     detector: int
     evidence: int
 
     def __post_init__(self) -> None:
-        if not 0 <= self.detector < DETECTORS:
-            raise ReadingError(f"detectors are 0..{DETECTORS - 1}, got {self.detector}")
         if not 0 <= self.evidence < EVIDENCE_CLASSES:
             raise ReadingError(f"evidence is 0..{EVIDENCE_CLASSES - 1}, got {self.evidence}")
-
-    @property
-    def feature(self) -> int:
-        """The number of the feature looked for."""
-        return self.detector // WEDGES
-
-    @property
-    def wedge(self) -> int:
-        """The number of the wedge looked at."""
-        return self.detector % WEDGES
 
 
 def junction_likelihood(
@@ -57,9 +45,9 @@ def junction_likelihood(
 
     Not scaled: times the prior of J, its sum is the probability of the readings. Zero for the
     types without the corridor behind, even before the first reading.
-    Raises HeadingError, and ReadingError where a detector has two readings.
+    Raises HeadingError, and ReadingError where a detector has two readings or does not exist.
     """
-    once_each(readings)
+    check_readings(readings, model.wedges)
     table = model.class_given_type[heading_number(heading)]
     product = enterable(heading).astype(np.float64)
     for reading in readings:
@@ -67,9 +55,17 @@ def junction_likelihood(
     return product
 
 
-def once_each(readings: Sequence[Reading]) -> None:
-    """Raise ReadingError where a detector has two readings in one visit."""
+def check_readings(readings: Sequence[Reading], wedges: Wedges) -> None:
+    """Raise ReadingError where a detector has two readings in one visit, or does not exist."""
     detectors = [reading.detector for reading in readings]
-    twice = sorted(d for d in range(DETECTORS) if detectors.count(d) > 1)
+    for detector in detectors:
+        check_detector(detector, wedges)
+    twice = sorted({d for d in detectors if detectors.count(d) > 1})
     if twice:
         raise ReadingError(f"each detector reads once a visit; {twice} read more often")
+
+
+def check_detector(detector: int, wedges: Wedges) -> None:
+    """Raise ReadingError unless there is a detector with this code."""
+    if not 0 <= detector < wedges.detectors:
+        raise ReadingError(f"detectors are 0..{wedges.detectors - 1}, got {detector}")

@@ -1,7 +1,7 @@
 """The classifier's Bayes net J -> X_{f,w} -> S_{f,w}, declared (paper, section 3).
 
 The running code multiplies compiled tables; this declaration is what they must agree with.
-That the robot came by the corridor behind is hard evidence: X of the opening in wedge 4.
+That the robot came by the corridor behind is hard evidence: X of the opening behind.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import DETECTORS, FEATURES, OPENING, WEDGES
+from bus.features import FEATURES, OPENING, USUAL, Wedges
 from bus.grid import JUNCTION_TYPES
 from modules.classifier.geometry import heading_number, presence_table
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
@@ -23,24 +23,26 @@ if TYPE_CHECKING:
 JUNCTION = "J"
 
 
-def feature_name(detector: int) -> str:
-    """The node X_{f,w} that a detector tests."""
-    return f"X_{FEATURES[detector // WEDGES]}_{detector % WEDGES}"
+def feature_name(detector: int, wedges: Wedges = USUAL) -> str:
+    """The node X_{f,w} that a detector tests. Raises WedgeError."""
+    feature, wedge = wedges.parts(detector)
+    return f"X_{FEATURES[feature]}_{wedge}"
 
 
-def reading_name(detector: int) -> str:
-    """The node S_{f,w} of a detector's evidence class."""
-    return f"S_{FEATURES[detector // WEDGES]}_{detector % WEDGES}"
+def reading_name(detector: int, wedges: Wedges = USUAL) -> str:
+    """The node S_{f,w} of a detector's evidence class. Raises WedgeError."""
+    return feature_name(detector, wedges).replace("X", "S", 1)
 
 
-CAME_BY = feature_name(OPENING * WEDGES + WEDGES // 2)
-"""The node that is 1 because the robot came by the corridor behind it."""
+def came_by(wedges: Wedges = USUAL) -> str:
+    """The node that is 1 because the robot came by the corridor behind it."""
+    return feature_name(wedges.code(OPENING, wedges.behind), wedges)
 
 
 def declare_network(
     prior: NDArray[np.float64], heading: int, model: SensorModel
 ) -> DiscreteBayesianNetwork:
-    """The network with all 24 detectors, checked by pgmpy.
+    """The network with all detectors of the model, checked by pgmpy.
 
     ``prior`` is pi(J), (16,), normalised. Raises HeadingError, and ValueError from pgmpy's
     ``check_model`` where the tables do not fit together.
@@ -48,15 +50,16 @@ def declare_network(
     from pgmpy.factors.discrete import TabularCPD
     from pgmpy.models import DiscreteBayesianNetwork  # here, since this import takes 3 s
 
-    present = presence_table()[heading_number(heading)].reshape(JUNCTION_TYPES, DETECTORS)
-    classes = model.probability.reshape(DETECTORS, 2, EVIDENCE_CLASSES)
+    wedges = model.wedges
+    present = presence_table(wedges)[heading_number(heading)].reshape(JUNCTION_TYPES, -1)
+    classes = model.probability.reshape(-1, 2, EVIDENCE_CLASSES)
     net = DiscreteBayesianNetwork()
     net.add_node(JUNCTION)
     net.add_cpds(TabularCPD(JUNCTION, JUNCTION_TYPES, prior[:, None]))
-    for d in range(DETECTORS):
-        x, s = feature_name(d), reading_name(d)
+    for d in range(wedges.detectors):
+        x, s = feature_name(d, wedges), reading_name(d, wedges)
         net.add_edges_from([(JUNCTION, x), (x, s)])
-        holds = present[:, d].astype(np.float64)
+        holds = present[:, d]
         net.add_cpds(
             TabularCPD(x, 2, np.array([1.0 - holds, holds]), [JUNCTION], [JUNCTION_TYPES]),
             TabularCPD(s, EVIDENCE_CLASSES, classes[d].T, [x], [2]),

@@ -12,7 +12,6 @@ from pathlib import Path
 import msgspec
 
 from bus.facts import Facts
-from bus.features import WEDGES
 from bus.messages import (
     Arrival,
     AskedSensing,
@@ -136,7 +135,7 @@ class Classifier:
             self._say_likelihood(turn, finished=True)
 
     def _read(self, said: Read, turn: Turn) -> None:
-        reading = Reading(said.feature * WEDGES + said.wedge, said.evidence)
+        reading = Reading(self._model.wedges.code(said.feature, said.wedge), said.evidence)
         self._readings = (*self._readings, reading)
         self._read_from = (*self._read_from, turn.heard)
         # The question about this action came when it began, so its answer is known by now.
@@ -158,10 +157,11 @@ def build(facts: Facts, settings: Settings, _seed: int) -> Classifier:
     """The classifier of one run.
 
     Raises SensorModelError if its model is not whole, or was made with another ring than the
-    robot carries. That echoes are noisier or fewer than in the trials the robot cannot know.
+    robot carries or another number of wedges. That echoes are noisier or fewer than in the trials
+    the robot cannot know.
     """
     path = Path(settings.sensor_model) if settings.sensor_model is not None else SHIPPED
     ring = {key: float(value) for key, value in msgspec.structs.asdict(facts.ring).items()}
-    model = load_sensor_model(path, ring)
+    model = load_sensor_model(path, ring, facts.wedges)
     rehearse(model)
     return Classifier(model, settings)

@@ -17,21 +17,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import DETECTORS, FEATURES, WEDGES
+from bus.features import FEATURES, WedgeError, Wedges
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
 from modules.classifier.geometry import enterable, presence_table
 from modules.classifier.worth import Detectors
 
-VERSION = 2
+VERSION = 3
 EVIDENCE_CLASSES = 4
 """0 = surely absent, 1 = rather absent, 2 = rather present, 3 = surely present."""
 
-SHAPE = (len(FEATURES), WEDGES, 2, EVIDENCE_CLASSES)
+LEAST_TOLD = 0.2
+"""A detector is worth the search of a plan if it tells this share of what the best one tells. With
+the shipped model the others tell less than an eighth of it, or nothing, the rest four fifths."""
+
+NO_BITS = 1e-9
+"""Less is the rounding of nothing."""
+
 SHIPPED = Path(__file__).with_name("sensor_model.json")
 
 
+def shape_of(wedges: Wedges) -> tuple[int, int, int, int]:
+    """The shape of a model's counts: (features, wedges, X, classes)."""
+    return len(FEATURES), wedges.count, 2, EVIDENCE_CLASSES
+
+
 class SensorModelError(ValueError):
-    """A sensor model that is missing, of another version or of another ring, or malformed."""
+    """A sensor model that is missing, malformed, or of another version, ring or wedges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +50,8 @@ class SensorModel:
     """Counts of evidence classes by the truth of X, and how long each detector takes.
 
     ``counts`` is (features, wedges, X, classes), ``durations_s`` is (features, wedges).
-    Raises SensorModelError for other shapes, negative counts or durations that are not positive.
+    Raises SensorModelError for other shapes, negative counts or durations that are not positive,
+    WedgeError for a number of wedges that cannot be.
     """
 
     counts: NDArray[np.int64]
@@ -48,15 +60,21 @@ class SensorModel:
     made_by: str
 
     def __post_init__(self) -> None:
-        if self.counts.shape != SHAPE or self.durations_s.shape != SHAPE[:2]:
+        shape = shape_of(self.wedges)
+        if self.counts.shape != shape or self.durations_s.shape != shape[:2]:
             raise SensorModelError(
-                f"a sensor model needs counts {SHAPE} (feature, wedge, X, class) and durations "
-                f"{SHAPE[:2]}, found {self.counts.shape} and {self.durations_s.shape}"
+                f"a sensor model needs counts {shape} (feature, wedge, X, class) and durations "
+                f"{shape[:2]}, found {self.counts.shape} and {self.durations_s.shape}"
             )
         if (self.counts < 0).any():
             raise SensorModelError(f"counts cannot be negative, found {self.counts.min()}")
         if not (self.durations_s > 0).all():
             raise SensorModelError(f"durations must be positive, found {self.durations_s.min()} s")
+
+    @cached_property
+    def wedges(self) -> Wedges:
+        """As many as the durations are for."""
+        return Wedges(self.durations_s.shape[-1])
 
     @cached_property
     def probability(self) -> NDArray[np.float64]:
@@ -85,8 +103,8 @@ class SensorModel:
 
     @cached_property
     def duration_by_detector_s(self) -> NDArray[np.float64]:
-        """Seconds a detector takes, by its code ``feature * wedges + wedge``: (24,)."""
-        return self.durations_s.reshape(DETECTORS)
+        """Seconds a detector takes, by its code ``feature * wedges + wedge``: (detectors,)."""
+        return self.durations_s.ravel()
 
     @cached_property
     def class_given_type(self) -> NDArray[np.float64]:
@@ -94,10 +112,11 @@ class SensorModel:
 
         Rows of types that a heading cannot enter are zero.
         """
-        present = presence_table().reshape(len(DIRECTIONS), JUNCTION_TYPES, DETECTORS)
-        truth = present.transpose(0, 2, 1).astype(np.int64)
-        by_detector = self.probability.reshape(DETECTORS, 2, EVIDENCE_CLASSES)
-        table: NDArray[np.float64] = by_detector[np.arange(DETECTORS)[None, :, None], truth]
+        present = presence_table(self.wedges).reshape(len(DIRECTIONS), JUNCTION_TYPES, -1)
+        holds = present.transpose(0, 2, 1)[..., None]
+        by_truth = self.probability.reshape(-1, 2, EVIDENCE_CLASSES)
+        absent, there = (by_truth[None, :, None, x] for x in (0, 1))
+        table: NDArray[np.float64] = (1.0 - holds) * absent + holds * there
         entered = np.array([enterable(heading) for heading in DIRECTIONS])
         return np.where(entered[:, None, :, None], table, 0.0)
 
@@ -105,15 +124,17 @@ class SensorModel:
     def informative(self) -> tuple[tuple[NDArray[np.int64], Detectors], ...]:
         """For each heading N E S W the detectors that can tell types apart: codes and tables.
 
-        The others find the same whatever the type, since their feature is present at all or none
-        of the types that can be entered. Tables are over the types that can be, in order.
+        Most of the others find the same whatever the type, since their feature is present at all or
+        none of the types that can be entered; those of door jambs tell too little to be searched.
+        Tables are over the types that can be entered, in order.
         """
         return tuple(map(self._informative, range(len(DIRECTIONS))))
 
     def _informative(self, heading: int) -> tuple[NDArray[np.int64], Detectors]:
         by_class = self.class_given_type[heading].transpose(0, 2, 1)
         by_class = by_class[:, :, enterable(DIRECTIONS[heading])]
-        codes = np.flatnonzero((np.ptp(by_class, axis=2) > 0.0).any(axis=1))
+        bits = _bits(by_class)
+        codes = np.flatnonzero(bits > LEAST_TOLD * max(bits.max(), NO_BITS))
         told = np.ascontiguousarray(by_class[codes])
         return codes, Detectors(told, self.duration_by_detector_s[codes])
 
@@ -124,6 +145,7 @@ class SensorModel:
             "made_by": self.made_by,
             "ring": dict(self.ring),
             "features": list(FEATURES),
+            "wedges": self.wedges.count,
             "duration_s": _by_detector(self.durations_s),
             "counts": _by_detector(self.counts),
             "interval_95": _by_detector(self.interval_95),
@@ -133,10 +155,13 @@ class SensorModel:
 
 
 def load_sensor_model(
-    path: Path = SHIPPED, expected_ring: Mapping[str, float] | None = None
+    path: Path = SHIPPED,
+    expected_ring: Mapping[str, float] | None = None,
+    expected_wedges: int | None = None,
 ) -> SensorModel:
-    """Read a model file; with ``expected_ring``, refuse one made with other figures than these.
+    """Read a model file.
 
+    With ``expected_ring`` or ``expected_wedges``, refuse one made with other figures than these.
     Raises SensorModelError, which names the file and what was found and expected.
     """
     try:
@@ -148,12 +173,15 @@ def load_sensor_model(
     except ValueError as error:
         raise SensorModelError(f"{path}: not JSON: {error}") from error
     try:
-        return _checked(content, expected_ring)
+        model = _checked(content)
+        _check_ring(model.ring, expected_ring)
+        _check_wedges(model.wedges.count, expected_wedges)
+        return model
     except SensorModelError as error:
         raise SensorModelError(f"{path}: {error}") from error
 
 
-def _checked(content: Any, expected_ring: Mapping[str, float] | None) -> SensorModel:
+def _checked(content: Any) -> SensorModel:
     if not isinstance(content, dict) or content.get("version") != VERSION:
         found = content.get("version") if isinstance(content, dict) else type(content).__name__
         raise SensorModelError(f"expected version {VERSION}, found {found!r}")
@@ -170,14 +198,22 @@ def _checked(content: Any, expected_ring: Mapping[str, float] | None) -> SensorM
             ring={str(key): float(value) for key, value in content["ring"].items()},
             made_by=str(content["made_by"]),
         )
-    except SensorModelError:
-        raise
+    except (SensorModelError, WedgeError) as error:
+        raise SensorModelError(str(error)) from None
     except KeyError as error:
         raise SensorModelError(f"the key {error} is missing") from error
     except (AttributeError, TypeError, ValueError) as error:
         raise SensorModelError(f"malformed numbers: {error}") from error
-    _check_ring(model.ring, expected_ring)
+    _check_wedges(model.wedges.count, content.get("wedges"))
     return model
+
+
+def _check_wedges(found: int, expected: object) -> None:
+    if expected is not None and found != expected:
+        raise SensorModelError(
+            f"made with {found} wedges, expected {expected}; `waywiser calibrate detectors "
+            f"--wedges {expected}` makes such a model, and modules.classifier.sensor_model names it"
+        )
 
 
 def _check_ring(found: Mapping[str, float], expected: Mapping[str, float] | None) -> None:
@@ -188,6 +224,16 @@ def _check_ring(found: Mapping[str, float], expected: Mapping[str, float] | None
             raise SensorModelError(
                 f"made with another ring: {key} is {found.get(key)}, expected {expected[key]}"
             )
+
+
+def _bits(by_class: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a reading tells of the type, all as probable before: (detectors, classes, types) given.
+
+    Mutual information in bits, (detectors,).
+    """
+    each = by_class.mean(axis=2, keepdims=True)
+    told: NDArray[np.float64] = (by_class * np.log2(by_class / each)).sum(axis=1).mean(axis=1)
+    return told
 
 
 def _by_detector(values: NDArray[Any]) -> dict[str, Any]:

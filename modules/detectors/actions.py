@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
+from bus.features import USUAL, Wedges
 from modules.detectors.views import DetectorError, view_of
 
 SWEEP_RAD = tuple(math.radians(degrees) for degrees in (-3.0, -1.0, 1.0, 3.0))
@@ -28,13 +29,15 @@ class Step(NamedTuple):
     amount: float
 
 
-def plan(feature: int, wedge: int, nominal_width_m: float) -> tuple[Step, ...]:
+def plan(
+    feature: int, wedge: int, nominal_width_m: float, wedges: Wedges = USUAL
+) -> tuple[Step, ...]:
     """The steps of detector d_{f,w}, which starts and ends at the port, heading as on exit.
 
     Raises DetectorError for an unknown detector or a width that is not positive.
     """
     check_width(nominal_width_m)
-    view = view_of(feature, wedge)
+    view = view_of(feature, wedge, wedges)
     there = Step("drive", view.vantage * nominal_width_m / 2)
     steps = [there]
     faced_rad = 0.0

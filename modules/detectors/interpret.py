@@ -9,45 +9,43 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.features import CONVEX_CORNER, OPENING
+from bus.features import (
+    CONCAVE_CORNER,
+    CONVEX_CORNER,
+    DOOR_JAMB,
+    FLAT_WALL,
+    OPENING,
+    USUAL,
+    Wedges,
+)
 from modules.detectors.actions import check_width
-from modules.detectors.surfaces import Heard, Sector, hear
+from modules.detectors.surfaces import Sector, hear
 from modules.detectors.views import DetectorError, View, view_of
+from modules.detectors.walls import fit_wall
 
 CLASS_BOUNDS = (0.1, 0.5, 0.9)
 """Probabilities that part the evidence classes 0 (surely absent) .. 3 (surely present)."""
 
-WALL_RANGES = (0.55, 1.35)
-"""Nearest and farthest echo of a wall, in half widths: widths 1.7 to 2.2 m for a nominal 2 m,
+CORNER_RANGES = (0.65, 1.30)
+"""Nearest and farthest echo of a corner, in half diagonals: widths 1.7 to 2.2 m for a nominal 2 m,
 0.1 m to either side, and errors on the way to the vantage."""
 
-CORNER_RANGES = (0.65, 1.30)
-"""The same for a corner, in half diagonals."""
-
-AHEAD_RAD = math.radians(5.0)
-"""Half width of the sector ahead, square on a side: the transducer that faces the target, and no
-other, for the ends of an open side are heard by cones further off."""
-
 AHEAD_OF_CORNER_RAD = math.radians(20.0)
-"""The same at a corner, with the next transducer to either side: in a narrow corridor, off its
-axis and askew, a corner is up to 18 degrees from where it should be."""
+"""Half width of the sector in which a corner answers: in a narrow corridor, off its axis and
+askew, it is up to 18 degrees from where it should be."""
 
 BEYOND_WALL = 1.12
 """A corner where a wall ends is further than the wall by at least this. The wall itself answers
 up to 22.5 degrees from its normal, that is up to 1/cos(22.5 deg) = 1.08 times as far away, where
 a cone beside the view hears it; the nearest corner is 1.15 times as far away."""
 
-BESIDE_WALL = (math.radians(30.0), math.radians(5.0))
-"""Centre and half width of the sectors in which a wall seen square on still answers, and an
-edge does not: a cone of 15 degrees at 30 hears the wall where sound still meets it steeply."""
-
-BESIDE_CORNER = (math.radians(45.0), math.radians(5.0))
-"""The same for walls that meet at a corner: one transducer, whose cone reaches neither the corner
-between the walls nor, in a narrow corridor, the next one."""
+BESIDE_CORNER_RAD = math.radians(45.0)
+"""Where the normals of the walls are that may meet at a corner, to either side of the view."""
 
 
 @dataclass(frozen=True)
@@ -65,24 +63,40 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Surfaces:
-    """Probabilities that a surface answers ahead, and beside it to the left and right."""
+class SquareOn:
+    """What is seen square on a side: probabilities of a wall, and of a doorway in such a wall."""
+
+    wall: float
+    doorway: float
+
+    def feature(self, feature: int) -> float:
+        """Probability of a feature. Corners are none that this view could show."""
+        return {
+            OPENING: 1 - self.wall,
+            FLAT_WALL: self.wall,
+            DOOR_JAMB: self.wall * self.doorway,
+        }.get(feature, self.wall * (1 - self.wall))
+
+
+@dataclass(frozen=True)
+class AtCorner:
+    """Probabilities that something answers at a corner, and walls to the left and right of it."""
 
     ahead: float
     left: float
     right: float
 
-    def feature(self, feature: int, at_corner: bool) -> float:
-        """Probability of a feature, by which surfaces it shows in that kind of view."""
+    def feature(self, feature: int) -> float:
+        """Probability of a feature. Openings and door jambs are none that this view could show."""
         neither = (1 - self.left) * (1 - self.right)
-        if feature == OPENING:
-            return (1 - self.ahead) * neither if at_corner else 1 - self.ahead
-        if feature == CONVEX_CORNER:
-            return self.ahead * neither
-        if at_corner:
-            runs_on = self.left * (1 - self.right) + self.right * (1 - self.left)
-            return (1 - self.ahead) * runs_on
-        return self.ahead * (1 - neither)
+        return {
+            FLAT_WALL: self.left * (1 - self.right) + self.right * (1 - self.left),
+            CONVEX_CORNER: self.ahead * neither,
+            CONCAVE_CORNER: self.left * self.right,
+        }.get(feature, (1 - self.ahead) * neither)
+
+
+Seen: TypeAlias = SquareOn | AtCorner
 
 
 def interpret(
@@ -91,19 +105,34 @@ def interpret(
     ranges_m: NDArray[np.float64],
     heading_offsets_rad: NDArray[np.float64],
     nominal_width_m: float,
+    wedges: Wedges = USUAL,
 ) -> Finding:
-    """The finding of detector d_{f,w} from its echoes.
+    """The finding of detector d_{f,w} from its echoes, as for :func:`see`. Raises DetectorError."""
+    view = view_of(feature, wedge, wedges)
+    return finding(feature, see(view, ranges_m, heading_offsets_rad, nominal_width_m))
+
+
+def see(
+    view: View,
+    ranges_m: NDArray[np.float64],
+    heading_offsets_rad: NDArray[np.float64],
+    nominal_width_m: float,
+) -> Seen:
+    """Which surfaces echoes from a view show.
 
     ``ranges_m`` is (pings, transducers), nan for no echo, transducer i looking i * 2 pi /
     transducers counter-clockwise; ``heading_offsets_rad`` (pings,) is how far the robot was
     turned from the view's direction at each ping. Raises DetectorError.
     """
     check_width(nominal_width_m)
-    view = view_of(feature, wedge)
-    surfaces = _surfaces(
-        view, ranges_m, _bearings_rad(ranges_m, heading_offsets_rad), nominal_width_m
-    )
-    probability = surfaces.feature(feature, view.at_corner)
+    bearings_rad = _bearings_rad(ranges_m, heading_offsets_rad)
+    look = _at_corner if view.at_corner else _square_on
+    return look(ranges_m, bearings_rad, nominal_width_m / 2)
+
+
+def finding(feature: int, seen: Seen) -> Finding:
+    """What the surfaces that were seen say about a feature."""
+    probability = seen.feature(feature)
     return Finding(
         probability=probability,
         evidence=sum(probability > bound for bound in CLASS_BOUNDS),
@@ -125,27 +154,22 @@ def _bearings_rad(
     return bearings
 
 
-def _surfaces(
-    view: View,
-    ranges_m: NDArray[np.float64],
-    bearings_rad: NDArray[np.float64],
-    nominal_width_m: float,
-) -> Surfaces:
-    half_m = nominal_width_m / 2
-    beside_rad, beside_half_rad = BESIDE_CORNER if view.at_corner else BESIDE_WALL
-    ahead_half_rad = AHEAD_OF_CORNER_RAD if view.at_corner else AHEAD_RAD
-    nearest_m, farthest_m = (half_m * share for share in WALL_RANGES)
+def _square_on(
+    ranges_m: NDArray[np.float64], bearings_rad: NDArray[np.float64], half_m: float
+) -> Seen:
+    wall = fit_wall(ranges_m, bearings_rad, 0.0, half_m)
+    return SquareOn(wall.probability, wall.doorway)
+
+
+def _at_corner(
+    ranges_m: NDArray[np.float64], bearings_rad: NDArray[np.float64], half_m: float
+) -> Seen:
     left, right = (
-        hear(ranges_m, bearings_rad, Sector(centre_rad, beside_half_rad, nearest_m, farthest_m))
-        for centre_rad in (beside_rad, -beside_rad)
+        fit_wall(ranges_m, bearings_rad, side_rad, half_m)
+        for side_rad in (BESIDE_CORNER_RAD, -BESIDE_CORNER_RAD)
     )
-    if view.at_corner:
-        nearest_m, farthest_m = (math.sqrt(2) * half_m * share for share in CORNER_RANGES)
-        nearest_m = max(nearest_m, _beyond(left), _beyond(right))
-    ahead = hear(ranges_m, bearings_rad, Sector(0.0, ahead_half_rad, nearest_m, farthest_m))
-    return Surfaces(ahead.probability, left.probability, right.probability)
-
-
-def _beyond(wall: Heard) -> float:
-    """The range beyond which an echo is not that of a wall which most pings heard."""
-    return BEYOND_WALL * wall.range_m if wall.share > 0.5 else 0.0
+    nearest_m, farthest_m = (math.sqrt(2) * half_m * share for share in CORNER_RANGES)
+    beyond_m = (BEYOND_WALL * wall.range_m for wall in (left, right) if wall.probability > 0.5)
+    corner = Sector(0.0, AHEAD_OF_CORNER_RAD, max([nearest_m, *beyond_m]), farthest_m)
+    ahead = hear(ranges_m, bearings_rad, corner)
+    return AtCorner(ahead.probability, left.probability, right.probability)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bus.facts import Facts
-from bus.features import WEDGES
+from bus.features import Wedges
 from bus.messages import (
     DRIVE,
     PING,
@@ -37,8 +37,9 @@ STOP = -1
 class Detectors:
     """Runs one feature detector after another."""
 
-    def __init__(self, nominal_width_m: float) -> None:
+    def __init__(self, nominal_width_m: float, wedges: Wedges) -> None:
         self._width_m = nominal_width_m
+        self._wedges = wedges
         self._visit = -1
         self._action = 0  # the last one begun
         self._first = 0  # actions up to this one belong to visits before
@@ -84,10 +85,18 @@ class Detectors:
             return
         ranges_m = np.array(self._scans)
         turn.work("interpret", ranges_m.size)
-        feature, wedge = divmod(self._detector, WEDGES)
-        found = interpret(feature, wedge, ranges_m, offsets_rad, self._width_m)
+        feature, wedge = self._wedges.parts(self._detector)
+        found = interpret(feature, wedge, ranges_m, offsets_rad, self._width_m, self._wedges)
         turn.say(
-            Reading(self._visit, said.action, feature, wedge, found.probability, found.evidence),
+            Reading(
+                self._visit,
+                said.action,
+                feature,
+                wedge,
+                found.probability,
+                found.evidence,
+                self._wedges.count,
+            ),
             *self._scanned,
         )
         self._outcome, self._outcome_from = found.evidence, (turn.heard,)
@@ -108,7 +117,7 @@ class Detectors:
         self._detector = detector
         self._action += 1
         self._scans, self._scanned = [], []
-        steps = plan(*divmod(detector, WEDGES), self._width_m)
+        steps = plan(*self._wedges.parts(detector), self._width_m, self._wedges)
         rows = np.array([(STEP_KIND[step.kind], step.amount) for step in steps], np.float64)
         motion = Motion(self._visit, after, self._action, detector, rows)
         turn.say(motion, decided_by, *self._outcome_from)
@@ -116,4 +125,4 @@ class Detectors:
 
 def build(facts: Facts, _settings: Settings, _seed: int) -> Detectors:
     """The detectors of one run."""
-    return Detectors(facts.corridor_width_m)
+    return Detectors(facts.corridor_width_m, Wedges(facts.wedges))

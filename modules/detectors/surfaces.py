@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
 
-AGREE_M = 0.12
-"""Width of a cluster of ranges: three standard deviations to each side of a wall at 1 m."""
+GAP_M = 0.05
+"""Ranges further apart are not of one surface: two standard deviations of an echo at 1.4 m, while
+a surface leaves a dozen echoes or more that are closer."""
 
 EXPECTED_HIT = 0.9
 """P(a ping hears a surface that is there), and of not hearing one that is not (assumption)."""
@@ -45,9 +47,9 @@ class Heard:
 def hear(ranges_m: NDArray[np.float64], bearings_rad: NDArray[np.float64], sector: Sector) -> Heard:
     """The range in a sector that the most pings heard.
 
-    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers). The range is
-    found by clustering: of all windows of AGREE_M the one that most pings have an echo in, the
-    nearest of equals; its median is the range.
+    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers). Ranges are
+    clustered by single linkage; of the clusters the one that most pings have an echo in, the
+    nearest of equals, is the surface, its median the range.
     """
     off = np.abs(np.remainder(bearings_rad - sector.centre_rad + math.pi, 2 * math.pi) - math.pi)
     heard = (
@@ -56,15 +58,16 @@ def hear(ranges_m: NDArray[np.float64], bearings_rad: NDArray[np.float64], secto
         & (ranges_m <= sector.farthest_m)
     )
     ping, _ = np.nonzero(heard)
-    found = ranges_m[heard]
-    if len(found) == 0:
-        return Heard(0.0, math.nan)
-    above = found[None, :] - found[:, None]
-    in_window = (above >= 0.0) & (above <= AGREE_M)
-    of_ping = ping[:, None] == np.arange(len(ranges_m))
-    pings_in_window = (in_window.astype(np.float64) @ of_ping > 0).sum(axis=1)
-    best = np.lexsort((found, -pings_in_window))[0]
-    return Heard(
-        share=float(pings_in_window[best]) / len(ranges_m),
-        range_m=float(np.median(found[in_window[best]])),
-    )
+    clusters = [
+        Heard(len(np.unique(ping[of_it])) / len(ranges_m), float(np.median(ranges_m[heard][of_it])))
+        for of_it in _clusters(ranges_m[heard])
+    ]
+    return max(clusters, key=lambda c: (c.share, -c.range_m), default=Heard(0.0, math.nan))
+
+
+def _clusters(found_m: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
+    """Which ranges belong to each cluster."""
+    if len(found_m) < 2:
+        return [np.ones(1, np.bool_)] * len(found_m)
+    labels = fcluster(linkage(found_m[:, None], "single"), GAP_M, "distance")
+    return [labels == label for label in range(1, labels.max() + 1)]

@@ -10,34 +10,38 @@ from pgmpy.inference import VariableElimination
 from pgmpy.models import DiscreteBayesianNetwork
 from pgmpy.readwrite import BIFReader
 
-from bus.features import DETECTORS
+from bus.features import USUAL, Wedges
 from bus.grid import DIRECTIONS
 from modules.classifier.geometry import enterable
 from modules.classifier.likelihood import Reading, junction_likelihood
 from modules.classifier.network import (
-    CAME_BY,
     JUNCTION,
+    came_by,
     declare_network,
     export_network,
     reading_name,
 )
-from modules.classifier.sensor_model import SHAPE, SensorModel
+from modules.classifier.sensor_model import SensorModel, shape_of
 
 EXACT = 1e-9
 agrum: Any = pyagrum  # its functions are not typed
 
 
-def _case(seed: int) -> tuple[SensorModel, np.ndarray[Any, Any], int, list[Reading]]:
+def _case(
+    seed: int, wedges: Wedges = USUAL
+) -> tuple[SensorModel, np.ndarray[Any, Any], int, list[Reading]]:
     rng = np.random.default_rng(seed)
-    model = SensorModel(rng.integers(0, 300, SHAPE), np.full(SHAPE[:2], 40.0), {}, "a test")
+    shape = shape_of(wedges)
+    model = SensorModel(rng.integers(0, 300, shape), np.full(shape[:2], 40.0), {}, "a test")
     prior = rng.dirichlet(np.ones(16))
-    detectors = rng.permutation(DETECTORS)[: 3 + 4 * seed]
+    detectors = rng.permutation(wedges.detectors)[: 3 + 4 * seed]
     readings = [Reading(int(d), int(rng.integers(4))) for d in detectors]
     return model, prior, int(rng.choice(DIRECTIONS)), readings
 
 
-def _evidence(readings: list[Reading]) -> dict[str, int]:
-    return {CAME_BY: 1} | {reading_name(r.detector): r.evidence for r in readings}
+def _evidence(readings: list[Reading], wedges: Wedges = USUAL) -> dict[str, int]:
+    said = {reading_name(r.detector, wedges): r.evidence for r in readings}
+    return {came_by(wedges): 1} | said
 
 
 def _agrum(network: DiscreteBayesianNetwork) -> Any:
@@ -52,19 +56,19 @@ def _agrum(network: DiscreteBayesianNetwork) -> Any:
     return net
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_posterior_equals_both_libraries(seed: int) -> None:
-    model, prior, heading, readings = _case(seed)
+@pytest.mark.parametrize(("seed", "count"), [(0, 8), (1, 8), (2, 8), (3, 4), (4, 12)])
+def test_posterior_equals_both_libraries(seed: int, count: int) -> None:
+    wedges = Wedges(count)
+    model, prior, heading, readings = _case(seed, wedges)
+    evidence = _evidence(readings, wedges)
     joint = prior * junction_likelihood(readings, heading, model)
     network = declare_network(prior, heading, model)
 
-    found = VariableElimination(network).query(
-        [JUNCTION], evidence=_evidence(readings), show_progress=False
-    )
+    found = VariableElimination(network).query([JUNCTION], evidence=evidence, show_progress=False)
     assert np.abs(found.values - joint / joint.sum()).max() < EXACT
 
     inference = agrum.LazyPropagation(_agrum(network))
-    inference.setEvidence(_evidence(readings))
+    inference.setEvidence(evidence)
     inference.makeInference()
     assert np.abs(inference.posterior(JUNCTION).toarray() - joint / joint.sum()).max() < EXACT
     assert inference.evidenceProbability() == pytest.approx(joint.sum(), rel=EXACT)
@@ -92,7 +96,7 @@ def test_the_exported_network_says_the_same_in_another_library(tmp_path: Path) -
     path = tmp_path / "junction.bif"
     export_network(path, prior, heading, model)
     net = agrum.loadBN(str(path))
-    assert net.size() == 1 + 2 * DETECTORS
+    assert net.size() == 1 + 2 * USUAL.detectors
     inference = agrum.LazyPropagation(net)
     inference.setEvidence({name: str(state) for name, state in _evidence(readings).items()})
     inference.makeInference()

@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bus.features import DETECTORS, FLAT_WALL, OPENING
-from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH
-from modules.classifier.geometry import HeadingError, enterable, features_present
+from bus.features import DOOR_JAMB, FLAT_WALL, OPENING, USUAL
+from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH, WEST
+from modules.classifier.geometry import JAMB_RATE, HeadingError, enterable, presence
 from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood
-from modules.classifier.sensor_model import SHAPE, SensorModel
+from modules.classifier.sensor_model import SensorModel, shape_of
 
+SHAPE, DETECTORS = shape_of(USUAL), USUAL.detectors
 COUNTS = np.random.default_rng(7).integers(0, 300, SHAPE)
 MODEL = SensorModel(COUNTS, np.full(SHAPE[:2], 40.0), {}, "a test")
 
@@ -42,19 +43,27 @@ def test_by_hand() -> None:
     assert found[15] == pytest.approx(0.55 * 0.35, abs=1e-15)
 
 
+def test_a_door_jamb_speaks_for_a_wall_by_hand() -> None:
+    counts = np.zeros(SHAPE, dtype=np.int64)
+    counts[DOOR_JAMB, 1] = [(7, 0, 0, 1), (0, 1, 2, 5)]  # Pr(S=3|absent) 1.5/10, |present) 5.5/10
+    model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test")
+    found = junction_likelihood([Reading(USUAL.code(DOOR_JAMB, 1), 3)], NORTH, model)
+    assert JAMB_RATE == 0.2
+    assert found[SOUTH] == pytest.approx(0.8 * 0.15 + 0.2 * 0.55, abs=1e-15)  # a wall on the left
+    assert found[SOUTH | WEST] == pytest.approx(0.15, abs=1e-15)
+
+
 @given(visits, headings)
 @settings(max_examples=60, deadline=None)
 def test_equals_the_sum_over_x_of_each_reading(readings: list[Reading], heading: int) -> None:
     found = junction_likelihood(readings, heading, MODEL)
     for j in range(16):
         expected = float(enterable(heading)[j])
-        present = features_present(j, heading)
+        present = presence(j, heading)
         for r in readings:
-            expected *= sum(
-                MODEL.probability[r.feature, r.wedge, x, r.evidence]
-                * (present[r.feature, r.wedge] == bool(x))
-                for x in (0, 1)
-            )
+            f, w = USUAL.parts(r.detector)
+            absent, there = MODEL.probability[f, w, :, r.evidence].tolist()
+            expected *= (1.0 - present[f, w]) * absent + present[f, w] * there
         assert found[j] == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 
@@ -74,8 +83,8 @@ def test_is_unscaled_the_outcomes_of_one_more_reading_sum_to_it(
 def test_refuses_what_no_visit_can_give() -> None:
     with pytest.raises(ReadingError, match=r"\[5\] read more often"):
         junction_likelihood([Reading(5, 0), Reading(5, 1)], NORTH, MODEL)
-    with pytest.raises(ReadingError, match=r"0\.\.23, got 24"):
-        Reading(24, 0)
+    with pytest.raises(ReadingError, match=r"0\.\.39, got 40"):
+        junction_likelihood([Reading(40, 0)], NORTH, MODEL)
     with pytest.raises(ReadingError, match=r"0\.\.3, got -1"):
         Reading(0, -1)
     with pytest.raises(HeadingError, match="got 0"):

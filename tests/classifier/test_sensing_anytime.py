@@ -6,13 +6,15 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bus.features import USUAL
 from bus.grid import NORTH
 from modules.classifier.anytime import refine
 from modules.classifier.choose import STOP, Problem, choose, flat_cost_s, problem_of
 from modules.classifier.likelihood import Reading
-from modules.classifier.sensor_model import SHAPE, SensorModel
+from modules.classifier.sensor_model import SensorModel, shape_of
 from modules.classifier.worth import most_cells
 
+SHAPE = shape_of(USUAL)
 RNG = np.random.default_rng(3)
 MODEL = SensorModel(RNG.integers(0, 300, SHAPE), RNG.uniform(30.0, 60.0, SHAPE[:2]), {}, "a test")
 FIRST, SECOND, THIRD = MODEL.informative[0][0].tolist()[:3]

@@ -8,24 +8,35 @@ import numpy as np
 import pytest
 
 from bus.facts import Facts, Ring
-from bus.features import CONVEX_CORNER, FLAT_WALL
+from bus.features import (
+    CONCAVE_CORNER,
+    CONVEX_CORNER,
+    DOOR_JAMB,
+    FLAT_WALL,
+    USUAL,
+    WedgeError,
+    Wedges,
+)
 from modules.classifier.geometry import enterable, presence_table
 from modules.classifier.process import build
 from modules.classifier.sensor_model import (
-    SHAPE,
     SHIPPED,
     SensorModel,
     SensorModelError,
     load_sensor_model,
+    shape_of,
 )
 from modules.classifier.settings import Settings
 
+SHAPE = shape_of(USUAL)
 
-def some_model(seed: int = 0) -> SensorModel:
+
+def some_model(seed: int = 0, wedges: Wedges = USUAL) -> SensorModel:
     rng = np.random.default_rng(seed)
+    shape = shape_of(wedges)
     return SensorModel(
-        counts=rng.integers(0, 200, SHAPE),
-        durations_s=rng.uniform(30.0, 60.0, SHAPE[:2]),
+        counts=rng.integers(0, 200, shape),
+        durations_s=rng.uniform(30.0, 60.0, shape[:2]),
         ring={"transducers": 24.0, "dropout": 0.02},
         made_by="a test",
     )
@@ -40,21 +51,50 @@ def test_smoothing_by_hand() -> None:
     assert np.array_equal(model.probability[0, 0, 0], np.full(4, 0.25))
 
 
-def test_class_given_type_sums_x_out() -> None:
+@pytest.mark.parametrize(("feature", "wedge"), [(FLAT_WALL, 2), (DOOR_JAMB, 1), (DOOR_JAMB, 3)])
+def test_class_given_type_sums_x_out(feature: int, wedge: int) -> None:
     model = some_model()
-    for (n, j), present in np.ndenumerate(presence_table()[..., FLAT_WALL, 2]):
-        expected = model.probability[FLAT_WALL, 2, int(present)] * enterable(1 << n)[j]
-        assert np.array_equal(model.class_given_type[n, FLAT_WALL * 8 + 2, j], expected)
+    absent, there = model.probability[feature, wedge]
+    for (n, j), present in np.ndenumerate(presence_table()[..., feature, wedge]):
+        expected = ((1.0 - present) * absent + present * there) * enterable(1 << n)[j]
+        assert np.allclose(model.class_given_type[n, feature * 8 + wedge, j], expected, atol=1e-15)
 
 
-def test_the_informative_detectors_are_those_whose_feature_some_types_have_and_some_not() -> None:
+@pytest.mark.parametrize("count", [4, 8, 12])
+def test_searched_are_the_detectors_of_features_that_some_types_show_and_some_not(
+    count: int,
+) -> None:
+    wedges = Wedges(count)
+    even = np.broadcast_to(np.array([(90, 8, 1, 1), (1, 1, 8, 90)]), shape_of(wedges))
+    model = SensorModel(even, np.full((5, count), 40.0), {}, "a test")
     for number, heading in enumerate((1, 2, 4, 8)):
-        present = presence_table()[number, enterable(heading)].reshape(8, -1)
-        codes, detectors = some_model().informative[number]
-        assert codes.tolist() == np.flatnonzero(np.ptp(present.astype(int), axis=0)).tolist()
+        present = presence_table(wedges)[number, enterable(heading)].reshape(8, -1)
+        codes, detectors = model.informative[number]
+        assert codes.tolist() == np.flatnonzero(np.ptp(present, axis=0) == 1.0).tolist()
         assert detectors.class_given_type.shape == (len(codes), 4, 8)
         assert np.allclose(detectors.class_given_type.sum(axis=1), 1.0)
-        assert np.array_equal(detectors.seconds, some_model().duration_by_detector_s[codes])
+        assert np.array_equal(detectors.seconds, model.duration_by_detector_s[codes])
+
+
+def test_door_jambs_tell_less_than_an_eighth_of_what_the_best_detectors_tell() -> None:
+    def bits(by_class: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+        """Mutual information of class and type, the types as probable: H(S) - H(S|J)."""
+
+        def entropy(p: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+            return float(-(p * np.log2(p)).sum())
+
+        return entropy(by_class.mean(axis=0)) - float(np.mean([entropy(p) for p in by_class]))
+
+    model = load_sensor_model()
+    of_types = model.class_given_type[0][:, enterable(1)]
+    told = np.array([bits(by_class) for by_class in of_types])
+    codes = model.informative[0][0]
+    assert told[codes].min() > 0.7 * told.max()
+    others = np.delete(told, codes)
+    assert others.max() < told.max() / 8
+    assert (np.flatnonzero(told > 1e-9).tolist()) == sorted(
+        [*codes.tolist(), USUAL.code(DOOR_JAMB, 1), USUAL.code(DOOR_JAMB, 7)]
+    )
 
 
 def test_intervals_are_those_of_the_posterior() -> None:
@@ -88,6 +128,8 @@ def test_the_shipped_model_separates_what_it_should() -> None:
     informative[:2, [0, 1, 7]] = True
     informative[FLAT_WALL, [2, 6]] = True
     informative[CONVEX_CORNER, [1, 2, 6, 7]] = True
+    informative[CONCAVE_CORNER, [1, 7]] = True
+    informative[DOOR_JAMB, [1, 3, 5, 7]] = True
     assert np.array_equal(both, informative)
     wrong = np.maximum(model.probability[..., 0, 2:].sum(-1), model.probability[..., 1, :2].sum(-1))
     assert (wrong[informative] < 0.05).all()
@@ -108,7 +150,7 @@ def test_refuses_a_missing_file(tmp_path: Path) -> None:
 
 def test_refuses_what_is_not_a_model(tmp_path: Path) -> None:
     path = tmp_path / "model.json"
-    _refused(path, "expected version 2, found 1", {"version": 1})
+    _refused(path, "expected version 3, found 2", {"version": 2})
     _refused(path, "dropout is 0.5, expected 0.02", {"ring": {"transducers": 24, "dropout": 0.5}})
     _refused(path, "transducers is None", {"ring": {"dropout": 0.02}})
     _refused(path, "expected features", {"features": ["opening"]})
@@ -128,8 +170,23 @@ def test_refuses_numbers_that_cannot_be() -> None:
         SensorModel(model.counts * 0 - 1, model.durations_s, {}, "a test")
     with pytest.raises(SensorModelError, match=r"positive, found 0\.0 s"):
         SensorModel(model.counts, model.durations_s * 0, {}, "a test")
-    with pytest.raises(SensorModelError, match=r"found \(2, 8, 2, 4\)"):
-        SensorModel(model.counts[:2], model.durations_s, {}, "a test")
+    with pytest.raises(SensorModelError, match=r"found \(4, 8, 2, 4\)"):
+        SensorModel(model.counts[:4], model.durations_s, {}, "a test")
+
+
+def test_a_model_is_for_its_number_of_wedges(tmp_path: Path) -> None:
+    path = tmp_path / "twelve.json"
+    path.write_text(some_model(wedges=Wedges(12)).as_json())
+    assert load_sensor_model(path, expected_wedges=12).wedges == Wedges(12)
+    with pytest.raises(SensorModelError, match=r"twelve\.json: made with 12 wedges, expected 8"):
+        load_sensor_model(path, expected_wedges=8)
+    facts = msgspec.structs.replace(Facts(2, 1, 0, 2, 0.085), wedges=16)
+    with pytest.raises(SensorModelError, match=r"made with 8 wedges, expected 16; `waywiser cal"):
+        build(facts, Settings(), 1)
+    _refused(path, "made with 8 wedges, expected 12", {"wedges": 12})
+    three = SHAPE[0], 3, 2, 4
+    with pytest.raises(WedgeError, match="found 3, expected 4 to 360"):
+        SensorModel(np.ones(three, np.int64), np.ones(three[:2]), {}, "a test")
 
 
 def test_the_shipped_file_is_what_the_model_writes() -> None:

@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from bus.features import CONVEX_CORNER, FEATURES, FLAT_WALL, OPENING, WEDGES
+from bus.features import CONCAVE_CORNER, CONVEX_CORNER, FEATURES, OPENING, USUAL, Wedges
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
-from modules.detectors.views import DetectorError, detector_code, view_of
+from modules.detectors.views import DetectorError, view_of
 from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, moved
 from simworld.motion import Pose
 
-DETECTORS = [(f, w) for f in range(len(FEATURES)) for w in range(WEDGES)]
+DETECTORS = [(f, w) for f in range(len(FEATURES)) for w in range(USUAL.count)]
 
 
 def test_the_plan_for_the_opening_on_the_left_by_hand() -> None:
@@ -39,7 +39,7 @@ def test_every_detector_takes_thirty_seconds_to_a_minute(width_m: float) -> None
 
 def _target_m(feature: int, wedge: int) -> tuple[float, float]:
     """Places in metres for a width of 2 m, from the table of modules.classifier.geometry."""
-    if feature == CONVEX_CORNER and wedge in (1, 7):
+    if feature in (CONVEX_CORNER, CONCAVE_CORNER) and wedge in (1, 7):
         return (2.0, 1.0) if wedge == 1 else (2.0, -1.0)
     return (
         (2.0, 0.0), (1.0, 1.0), (0.0, 1.0), (-1.0, 1.0),
@@ -65,20 +65,35 @@ def test_a_plan_faces_its_target_and_ends_where_it_began(feature: int, wedge: in
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0, 0, 0), abs=1e-9)
 
 
+@pytest.mark.parametrize("count", [4, 6, 12, 16])
+def test_with_other_wedges_each_detector_faces_the_place_it_is_about(count: int) -> None:
+    wedges = Wedges(count)
+    for f in range(len(FEATURES)):
+        for w in range(count):
+            place, view = wedges.place(f, w), view_of(f, w, wedges)
+            if place is None:
+                assert (view.vantage, view.facing_rad) == (0.0, wedges.middle_rad(w))
+                continue
+            bearing = math.atan2(place.y, place.x - view.vantage)
+            assert math.remainder(bearing - view.facing_rad, 2 * math.pi) == pytest.approx(0.0)
+            assert plan(f, w, 2.0, wedges)[0] == Step("drive", view.vantage) or not view.vantage
+
+
 def test_left_and_right_are_mirror_images() -> None:
     for f, w in DETECTORS:
-        left, right = view_of(f, w), view_of(f, -w % WEDGES)
+        left, right = view_of(f, w), view_of(f, -w % USUAL.count)
         assert left.vantage == right.vantage
         assert math.cos(left.facing_rad) == pytest.approx(math.cos(right.facing_rad))
         assert math.sin(left.facing_rad) == pytest.approx(-math.sin(right.facing_rad), abs=1e-12)
 
 
 def test_refuses_what_cannot_be_done() -> None:
-    assert detector_code(FLAT_WALL, 3) == 11
-    with pytest.raises(DetectorError, match="got feature 3, wedge 0"):
-        plan(3, 0, 2.0)
+    with pytest.raises(DetectorError, match="got feature 5, wedge 0"):
+        plan(5, 0, 2.0)
     with pytest.raises(DetectorError, match="got feature 0, wedge -1"):
-        detector_code(0, -1)
+        view_of(0, -1)
+    with pytest.raises(DetectorError, match=r"wedges 0\.\.11, got feature 0, wedge 12"):
+        plan(0, 12, 2.0, Wedges(12))
     with pytest.raises(DetectorError, match=r"got 0\.0 m"):
         plan(0, 0, 0.0)
     with pytest.raises(DetectorError, match=r"got 0\.1 m/s, 0 rad/s"):

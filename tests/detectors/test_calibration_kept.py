@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bus.features import USUAL, Wedges
 from scenarios import calibrate_detectors
 from scenarios.calibrate_detectors import kept_part, model_of, run_trials
 from scenarios.calibration_kept import KeptError
@@ -72,6 +73,8 @@ def test_the_kept_part_of_another_calibration_is_refused(
         run_trials(9, SEED, kept=kept_part(path, 9, SEED))
     with pytest.raises(KeptError, match="'transducers': 16"):
         kept_part(path, 12, SEED, SonarRing(transducers=16)).done()
+    with pytest.raises(KeptError, match="found wedges 8, expected wedges 12"):
+        kept_part(path, 12, SEED, wedges=Wedges(12)).done()
     monkeypatch.setattr("scenarios.calibration_kept.SOURCES", ("simworld/sonar.py",))
     with pytest.raises(KeptError, match="found code"):
         kept_part(path, 12, SEED).done()
@@ -101,7 +104,7 @@ def test_a_spoilt_task_is_refused(tmp_path: Path) -> None:
 
 
 def test_tallies_by_hand() -> None:
-    tally = empty_tally()
+    tally = empty_tally(USUAL)
     for x, evidence, stated in ((1, 3, 0.95), (1, 2, 0.85), (0, 0, 0.02), (0, 3, 1.0)):
         tally.note(1, 2, x, evidence, stated)
     assert tally.counts[1, 2].tolist() == [[1, 0, 0, 1], [0, 0, 1, 1]]

@@ -8,19 +8,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from modules.detectors.surfaces import AGREE_M, Heard, Sector, hear
+from modules.detectors.surfaces import GAP_M, Heard, Sector, hear
 
 AHEAD = Sector(centre_rad=0.0, half_width_rad=0.3, nearest_m=0.5, farthest_m=2.0)
 
 
 def test_the_range_most_pings_agree_on_by_hand() -> None:
     nan = math.nan
-    ranges = np.array([[1.00, 1.5], [1.05, nan], [1.11, 1.9], [nan, 1.3], [0.60, nan]])
+    ranges = np.array([[1.00, 1.5], [1.04, nan], [1.08, 1.9], [nan, 1.3], [0.60, nan]])
     bearings = np.zeros_like(ranges)
     heard = hear(ranges, bearings, AHEAD)
-    # 1.00, 1.05 and 1.11 lie within 0.12 m and are of three of five pings; median 1.05.
+    # 1.00, 1.04 and 1.08 are less than 0.05 m apart and of three of five pings; median 1.04.
     assert heard.share == pytest.approx(3 / 5)
-    assert heard.range_m == pytest.approx(1.05)
+    assert heard.range_m == pytest.approx(1.04)
 
 
 def test_two_echoes_of_one_ping_count_once() -> None:
@@ -53,16 +53,26 @@ def test_probability_by_hand() -> None:
 
 
 @given(arrays(np.float64, (6, 2), elements=st.floats(0.4, 2.2) | st.just(math.nan)))
-def test_equals_a_search_over_every_window(
+def test_equals_a_cut_at_every_gap(
     ranges: np.ndarray[tuple[int, int], np.dtype[np.float64]],
 ) -> None:
     found = hear(ranges, np.zeros_like(ranges), AHEAD)
-    starts = [r for r in ranges.ravel().tolist() if 0.5 <= r <= 2.0]
-    best = max(
-        (
-            sum(any(0 <= r - low <= AGREE_M and r <= 2.0 for r in row) for row in ranges.tolist())
-            for low in starts
-        ),
-        default=0,
+    heard = sorted(
+        (range_m, ping)
+        for (ping, _), range_m in np.ndenumerate(ranges.tolist())
+        if 0.5 <= range_m <= 2.0
     )
+    clusters: list[list[tuple[float, int]]] = []
+    for range_m, ping in heard:
+        if not clusters or range_m - clusters[-1][-1][0] > GAP_M:
+            clusters.append([])
+        clusters[-1].append((range_m, ping))
+    best = max((len({ping for _, ping in cluster}) for cluster in clusters), default=0)
     assert found.share == pytest.approx(best / 6)
+    if best:
+        medians = [
+            float(np.median([range_m for range_m, _ in cluster]))
+            for cluster in clusters
+            if len({ping for _, ping in cluster}) == best
+        ]
+        assert found.range_m == pytest.approx(min(medians))

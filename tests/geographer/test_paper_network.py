@@ -12,7 +12,7 @@ import pyagrum
 import pytest
 from numpy.typing import NDArray
 
-from bus.features import DETECTORS
+from bus.features import USUAL
 from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, SOUTH, WEST, Grid
 from modules.classifier.geometry import enterable, presence_table
 from modules.classifier.likelihood import Reading, junction_likelihood
@@ -86,9 +86,9 @@ def test_the_direct_belief_is_pgmpy_s() -> None:
 def test_readings_of_the_calibrated_detectors_come_through_as_the_classifier_s_lambda() -> None:
     chosen, place, heading = hypotheses(3, 3, 8), 4, EAST
     model = load_sensor_model()
-    present = presence_table()[DIRECTIONS.index(heading)].reshape(JUNCTION_TYPES, DETECTORS)
-    probability = model.probability.reshape(DETECTORS, 2, EVIDENCE_CLASSES)
-    names = [str(detector) for detector in range(DETECTORS)]
+    present = presence_table()[DIRECTIONS.index(heading)].reshape(JUNCTION_TYPES, -1)
+    probability = model.probability.reshape(-1, 2, EVIDENCE_CLASSES)
+    names = [str(detector) for detector in range(USUAL.detectors)]
     features = junction_features(place, names, present, probability)
     readings = [Reading(0, 3), Reading(8 + 2, 0), Reading(16 + 6, 2)]
     likelihood = np.ones((3, 3, JUNCTION_TYPES))

@@ -8,7 +8,7 @@ from bus import messages as m
 from bus.grid import DIRECTIONS, JUNCTION_TYPES, OPPOSITE
 from logs.calibration import Scores
 from logs.truth import Truth, feature_is_there
-from modules.classifier.geometry import features_present
+from modules.classifier.geometry import JAMB_RATE, presence
 from tests.logs.conftest import BUILDING
 
 
@@ -17,10 +17,11 @@ def test_features_are_where_the_classifier_puts_them() -> None:
         for junction_type in range(JUNCTION_TYPES):
             if not junction_type & OPPOSITE[heading]:
                 continue  # nobody can come in there
-            expected = features_present(junction_type, heading)
+            expected = presence(junction_type, heading)
             for feature, wedge in np.ndindex(expected.shape):
                 there = feature_is_there(junction_type, heading, feature, wedge)
-                assert there == expected[feature, wedge], (heading, junction_type, feature, wedge)
+                chance = JAMB_RATE if there is None else float(there)
+                assert chance == expected[feature, wedge], (heading, junction_type, feature, wedge)
 
 
 def test_a_visit_is_placed_by_the_pose_that_follows_its_arrival() -> None:
@@ -31,10 +32,14 @@ def test_a_visit_is_placed_by_the_pose_that_follows_its_arrival() -> None:
     assert truth.place(1) is None
     assert truth.hear(m.TruePose(0.0, 30.0, 0.0, 2)) == 1
     assert (truth.place(1), truth.junction_type(1)) == (2, 4)  # the south only
-    assert truth.feature(1, 1, 0) is True  # entered northward: a wall ahead
+    assert truth.feature(m.Reading(1, 1, 1, 0, 0.9, 3)) is True  # entered northward: a wall ahead
     assert truth.hear(m.Blocked(2, 2)) == 2
     assert truth.place(2) == 2
-    assert (truth.place(9), truth.junction_type(9), truth.feature(9, 0, 0)) == (None, None, None)
+    assert (
+        truth.place(9),
+        truth.junction_type(9),
+        truth.feature(m.Reading(9, 1, 0, 0, 0.9, 3)),
+    ) == (None, None, None)
 
 
 def test_scores_by_hand() -> None:
