@@ -66,14 +66,14 @@ def situations(draw: st.DrawFn) -> Situation:
 def test_the_cells_known_beforehand_suffice_and_every_answer_can_be_driven(
     s: Situation, worlds: int
 ) -> None:
-    found = decide_by_outlook(s, worlds)
+    found = decide_by_outlook(s, worlds).decision
     types = np.unique(s.grid.junction_types(s.maps)[:, s.place])
     legs = len(errands_of(s).goals)
     assert found.cells <= outlook_cells(s.grid, worlds, len(types), legs)
     for junction_type in types[types > 0].tolist():
         assert found.direction[junction_type] in DIRECTIONS
         assert found.direction[junction_type] & junction_type
-    again = decide_by_outlook(s, worlds)
+    again = decide_by_outlook(s, worlds).decision
     assert found.direction.tolist() == again.direction.tolist()
     assert found.unknown_s.tobytes() == again.unknown_s.tobytes()
 
@@ -113,7 +113,7 @@ def test_a_shorter_way_is_tried_where_that_is_expected_to_take_less(
     corridor_s = np.full(grid.corridors, 100.0)
     corridor_s[grid.corridor(0, 0, EAST)] = 30.0
     corridor_s[grid.corridor(1, 0, NORTH)] = 60.0
-    found = decide_by_outlook(situation(grid, maps, 0, 3, corridor_s=corridor_s), 64)
+    found = decide_by_outlook(situation(grid, maps, 0, 3, corridor_s=corridor_s), 64).decision
     at = NORTH | EAST
     # what would take longer even with the whole map seen at its end is not reckoned
     assert found.known_s[at] == (np.inf if tries else pytest.approx(200.0))
@@ -125,7 +125,7 @@ def test_a_shorter_way_is_tried_where_that_is_expected_to_take_less(
 
 def test_what_no_map_has_goes_by_hope_and_spare_time_is_refused() -> None:
     s = situation(Grid(2, 2), np.ones((1, 4), np.uint8), 0, 3)
-    found = decide_by_outlook(s, 4)
+    found = decide_by_outlook(s, 4).decision
     assert found.direction[EAST] == EAST
     assert np.isinf(found.known_s[EAST])
     with pytest.raises(ValueError, match="without waypoints"):
@@ -155,7 +155,7 @@ def test_who_follows_it_arrives(seed: int) -> None:
             expected=np.array([2.0, 1.0]),
             sensing_s=60.0,
         )
-        direction = int(decide_by_outlook(s, 32).direction[truth[place]])
+        direction = int(decide_by_outlook(s, 32).decision.direction[truth[place]])
         agree &= types[:, place] == truth[place]
         x, y = grid.place(place)
         dx, dy = STEP[direction]
