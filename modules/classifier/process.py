@@ -111,9 +111,10 @@ class Classifier:
         first = self._answered
         if first is None or first.visit != said.visit:
             return
+        again = msgspec.structs.replace(first, until_ns=first.until_ns - SPARE_NS)
         cells = cells_before((), None, self._heading, self._model, LOOK_AHEAD[0])
-        if turn.costs.cost_ns("sensing", cells) + SPARE_NS <= turn.left_ns(first.until_ns):
-            self._asked, self._running = first, None
+        if turn.costs.cost_ns("sensing", cells) <= turn.left_ns(again.until_ns):
+            self._asked, self._running = again, None
             self._decide(turn)
 
     def _decide(self, turn: Turn) -> None:

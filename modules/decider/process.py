@@ -22,7 +22,7 @@ from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_
 from modules.decider.rehearsal import rehearse
 from modules.decider.settings import Settings
 from modules.decider.situation import Decision, Situation
-from modules.decider.stakes import Stakes, most_maps, regret_of_leaving, stakes_of
+from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of
 
 POSSIBLE = 1e-9
 """Junction types less probable than this are not counted in the size of the problem."""
@@ -96,8 +96,8 @@ class Decider:
         stakes = self._stakes(situation, asked, belief, turn)
         outlook = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn))
         if stakes is not None:
-            regret_s = stakes.regret_s + regret_of_leaving(outlook)
-            turn.say(JunctionStakes(asked.visit, regret_s), *self._made_from.values())
+            regret = regret_s(situation, stakes, outlook)
+            turn.say(JunctionStakes(asked.visit, regret), *self._made_from.values())
         return outlook.decision
 
     def _stakes(

@@ -2,10 +2,11 @@
 
 Sensing is worth its time only for what is decided by its outcome. Whoever concludes type c plans
 with the map of least expected cost given c, and keeps to it: the conclusion stays in the map. What
-that costs more than the plan for the true type j, over all errands still expected, is the regret.
-Beside it, the way out that was decided for c may be the wrong one for j. From these regrets follows
-what knowing the type is worth (Howard, *Information value theory*, 1966), in the unit of the
-decisions that need it: seconds.
+that costs more than the plan for the true type j, over all errands still expected, is one part of
+the regret. Another is the way out that was decided for c where j is true. And who leaves without
+knowing the type may have to come back for it: the regret is at least the way there and back. From
+these follows what knowing the type is worth (Howard, *Information value theory*, 1966), in the unit
+of the decisions that need it: seconds.
 """
 
 from __future__ import annotations
@@ -28,22 +29,22 @@ MAPS = (1, 2, 4, 8, 16, 32)
 
 @dataclass(frozen=True, eq=False)
 class Stakes:
-    """``regret_s`` (16, 16): what concluding the first type costs more where the second is true.
+    """``later_s`` (types, types): regret of concluding the first where the second is true.
 
-    Never negative, 0 where the two are the same. Two types of which no map has one get the largest
-    regret of all others: such types are less probable than one draw in hundreds.
+    ``types`` are those that a map has, in order. Never negative, 0 where the two are the same.
     """
 
-    regret_s: NDArray[np.float64]
+    types: tuple[int, ...]
+    later_s: NDArray[np.float64]
     cells: int
 
 
 def stakes_of(situation: Situation, maps_per_type: int) -> Stakes:
-    """The regrets of later tasks, by at most so many maps of each type at v.
+    """What a wrong type at v costs later errands, by at most so many maps of each type.
 
     The maps are those of :func:`by_junction_type`; each task counts as often as it is expected. A
-    goal that cannot be reached by what was concluded costs :attr:`Roads.penalty_s`. Raises
-    ValueError for no maps.
+    goal that cannot be reached by what was concluded is found out by the first task that needs it,
+    and costs :attr:`Roads.penalty_s` once. Raises ValueError for no maps.
     """
     if maps_per_type < 1:
         raise ValueError(f"maps_per_type is {maps_per_type}, expected at least 1")
@@ -56,19 +57,18 @@ def stakes_of(situation: Situation, maps_per_type: int) -> Stakes:
         expected = expected_by_plan(roads, tasks, h.maps, h.maps, h.weights, place)
         plans[row] = h.maps[expected.argmin()]
         cells += len(h.maps) * (len(h.maps) + len(found))
-    types = list(found)
-    regret_s = np.zeros((len(types), len(types)))
+    later_s = np.zeros((len(found), len(found)))
     for column, h in enumerate(found.values()):
         costs = expected_by_plan(roads, tasks, plans, h.maps, h.weights, place)
         # Another type's plan may do better by chance, for it was found with other maps.
-        regret_s[:, column] = np.maximum(0.0, costs - costs[column])
-    return Stakes(_for_all_types(regret_s, types), cells * len(tasks.start))
+        later_s[:, column] = np.maximum(0.0, costs - costs[column])
+    return Stakes(tuple(found), later_s, cells * len(tasks.start))
 
 
 def stakes_cells(maps_per_type: int, types: int, tasks: int) -> int:
     """The most cells that :func:`stakes_of` can take: a task, plan and true map is one.
 
-    ``types`` is how many junction types at v are possible, ``tasks`` how many tasks and legs.
+    ``types`` is how many junction types at v are possible, ``tasks`` how many tasks may come.
     """
     return types * maps_per_type * (maps_per_type + types) * tasks
 
@@ -78,6 +78,20 @@ def most_maps(types: int, tasks: int, cells: int) -> int | None:
     return max((n for n in MAPS if stakes_cells(n, types, tasks) <= cells), default=None)
 
 
+def regret_s(situation: Situation, stakes: Stakes, outlook: Outlook) -> NDArray[np.float64]:
+    """What concluding each type costs more where each is true, over all: (16, 16), in seconds.
+
+    Never negative, 0 where the two are the same. Types of which no map has one are less probable
+    than one draw in hundreds; with them, the regret is the largest of the others.
+    """
+    among = np.ix_(stakes.types, stakes.types)
+    found = np.maximum(stakes.later_s + regret_of_leaving(outlook)[among], coming_back_s(situation))
+    whole = np.full((JUNCTION_TYPES, JUNCTION_TYPES), found.max(initial=0.0))
+    whole[among] = found
+    np.fill_diagonal(whole, 0.0)
+    return whole
+
+
 def regret_of_leaving(outlook: Outlook) -> NDArray[np.float64]:
     """(16, 16): what the way out decided for one type costs more where another is true, in seconds.
 
@@ -85,18 +99,18 @@ def regret_of_leaving(outlook: Outlook) -> NDArray[np.float64]:
     map has one of the types.
     """
     leaving_s, decided = outlook.leaving_s, outlook.decision.direction
-    regret_s = np.zeros((JUNCTION_TYPES, JUNCTION_TYPES))
+    regret = np.zeros((JUNCTION_TYPES, JUNCTION_TYPES))
     for concluded in np.flatnonzero(decided).tolist():
         way_s = leaving_s[:, DIRECTIONS.index(int(decided[concluded]))]
-        regret_s[concluded] = np.where(np.isfinite(way_s), way_s - leaving_s.min(axis=1), 0.0)
-    regret_s[np.isnan(leaving_s[:, 0])] = 0.0
-    np.fill_diagonal(regret_s, 0.0)
-    return regret_s
+        regret[concluded] = np.where(np.isfinite(way_s), way_s - leaving_s.min(axis=1), 0.0)
+    regret[:, np.isnan(leaving_s[:, 0])] = 0.0
+    regret[np.isnan(leaving_s[:, 0])] = 0.0
+    np.fill_diagonal(regret, 0.0)
+    return regret
 
 
-def _for_all_types(regret_s: NDArray[np.float64], types: list[int]) -> NDArray[np.float64]:
-    """By all 16 types; what no map tells is taken for the worst."""
-    whole = np.full((JUNCTION_TYPES, JUNCTION_TYPES), regret_s.max(initial=0.0))
-    np.fill_diagonal(whole, 0.0)
-    whole[np.ix_(types, types)] = regret_s
-    return whole
+def coming_back_s(situation: Situation) -> float:
+    """Seconds to leave v and come back to it, by its shortest corridor."""
+    at = situation.grid.place(situation.place)
+    corridors = [situation.grid.corridor(*at, direction) for direction in DIRECTIONS]
+    return 2.0 * min(float(situation.corridor_s[c]) for c in corridors if c >= 0)
