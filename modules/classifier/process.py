@@ -131,7 +131,7 @@ class Classifier:
             self._running,
             self._heading,
             self._model,
-            stakes.regret_s if stakes is not None and said else self._flat_s,
+            self._settings.doubt * stakes.regret_s if stakes is not None and said else self._flat_s,
             self._look_ahead(asked, turn),
         )
         turn.work("sensing", choice.cells)

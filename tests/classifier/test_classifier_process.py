@@ -34,8 +34,9 @@ PRIOR[[SOUTH, SOUTH | WEST]] = 0.3, 0.7
 NOTHING_AT_STAKE = np.zeros((16, 16))
 
 
-def the_classifier(heeds_stakes: bool = True) -> Classifier:
-    return build(Facts(3, 3, 0, NORTH, 0.085), Settings(heeds_stakes=heeds_stakes), 1)
+def the_classifier(heeds_stakes: bool = True, doubt: float = 1.0) -> Classifier:
+    settings = Settings(heeds_stakes=heeds_stakes, doubt=doubt)
+    return build(Facts(3, 3, 0, NORTH, 0.085), settings, 1)
 
 
 def hear(
@@ -115,6 +116,16 @@ def test_less_at_stake_makes_it_stop_earlier() -> None:
     assert worth[0] == worth[1] == 0.0 < worth[2]
 
 
+def test_doubt_of_its_own_readings_multiplies_what_is_at_stake() -> None:
+    answers = []
+    for doubt, price in ((10.0, 400.0), (1.0, 4000.0)):
+        classifier = the_classifier(doubt=doubt)
+        on_the_way(classifier)
+        answers += hear(classifier, "stakes/junction", stakes(flat_cost_s(price)))
+    one, other = (a for a in answers if isinstance(a, SensingDecision))
+    assert one.worth_s.tobytes() == other.worth_s.tobytes()
+
+
 def test_it_does_not_listen_where_that_is_set() -> None:
     classifier = the_classifier(heeds_stakes=False)
     on_the_way(classifier)
@@ -123,10 +134,10 @@ def test_it_does_not_listen_where_that_is_set() -> None:
 
 def test_the_second_answer_is_through_before_the_first_is_acted_on() -> None:
     costs = CostModel("a test", {"sensing": Rate(0.0, 10_000.0)})
-    classifier = the_classifier()
     for ahead in LOOK_AHEAD[1:]:  # as much time as this look-ahead takes, and none to spare
         needs_ns = 10_000 * cells_before((), None, NORTH, MODEL, ahead)
         turn = Turn(10**15 - needs_ns, costs, ("decider", 0))
+        classifier = the_classifier()
         on_the_way(classifier, 10**15)
         classifier.handlers["stakes/junction"](stakes(flat_cost_s(400.0)), turn)
         assert turn.said
