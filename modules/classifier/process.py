@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from bus.facts import Facts
 from bus.features import WEDGES
@@ -123,15 +125,14 @@ class Classifier:
         if asked is None or prior is None or prior.visit != asked.visit:
             return
         self._asked = None
-        stakes = self._stakes
-        said = stakes is not None and stakes.visit == asked.visit
+        said = self._stakes is not None and self._stakes.visit == asked.visit
         choice = choose(
             prior.prior,
             self._readings,
             self._running,
             self._heading,
             self._model,
-            self._settings.doubt * stakes.regret_s if stakes is not None and said else self._flat_s,
+            self._cost_s(self._stakes if said else None),
             self._look_ahead(asked, turn),
         )
         turn.work("sensing", choice.cells)
@@ -153,6 +154,12 @@ class Classifier:
         )
         self._answered = None if said or asked.action else asked
         self._begin_first(turn)
+
+    def _cost_s(self, stakes: JunctionStakes | None) -> NDArray[np.float64]:
+        """What each conclusion costs: what is said, with its doubt, and never above its own price."""
+        if stakes is None:
+            return self._flat_s
+        return np.minimum(self._flat_s, self._settings.doubt * stakes.regret_s)
 
     def _look_ahead(self, asked: AskedSensing, turn: Turn) -> int:
         """How far plans may look ahead in the time left (a fixed-time procedure; section 5)."""

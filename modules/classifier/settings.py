@@ -12,7 +12,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     What the decider says that it costs is taken where ``heeds_stakes``, times ``doubt``: how many
     times as often the robot is thought to err among surfaces unlike those of its calibration.
-    Where the decider does not say, it is ``wrong_type_s``, the assumption in
+    Where the decider does not say, and never more, it is ``wrong_type_s``, the assumption in
     :data:`modules.classifier.choose.WRONG_TYPE_S`. Plans
     are as long as the time until the deadline allows, up to ``look_ahead``. ``sensor_model`` is a
     file that ``waywiser calibrate detectors`` wrote; the shipped one if none is given.

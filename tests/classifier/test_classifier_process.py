@@ -126,6 +126,14 @@ def test_doubt_of_its_own_readings_multiplies_what_is_at_stake() -> None:
     assert one.worth_s.tobytes() == other.worth_s.tobytes()
 
 
+def test_the_price_of_its_own_is_never_exceeded() -> None:
+    classifier = the_classifier(doubt=10.0)
+    first = on_the_way(classifier)
+    (again,) = hear(classifier, "stakes/junction", stakes(flat_cost_s(99_000.0)))
+    assert isinstance(again, SensingDecision)
+    assert again.worth_s.tobytes() == first.worth_s.tobytes()
+
+
 def test_it_does_not_listen_where_that_is_set() -> None:
     classifier = the_classifier(heeds_stakes=False)
     on_the_way(classifier)

@@ -24,11 +24,10 @@ def run() -> Run:
 
 
 def test_stakes_are_there_when_sensing_begins(run: Run) -> None:
-    said = {s.message.visit: s for s in run if isinstance(s.message, JunctionStakes)}
+    said = {s.message.visit: s.said_ns for s in run if isinstance(s.message, JunctionStakes)}
     arrived = {s.message.visit: s.said_ns for s in run if isinstance(s.message, Arrival)}
-    junctions = {sent.message.visit for sent in said.values()}
-    assert len(junctions) == len(said) == 9  # each of the nine intersections once
-    assert all(said[visit].said_ns < arrived[visit] for visit in said)
+    assert len(said) == 9  # at each of the nine intersections once
+    assert all(said[visit] < arrived[visit] for visit in said)
 
 
 def test_what_was_decided_without_them_is_decided_again_in_time(run: Run) -> None:
