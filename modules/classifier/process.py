@@ -156,7 +156,7 @@ class Classifier:
         self._begin_first(turn)
 
     def _cost_s(self, stakes: JunctionStakes | None) -> NDArray[np.float64]:
-        """What each conclusion costs: what is said, with its doubt, and never above its own price."""
+        """What each conclusion costs: what is said, times the doubt, up to its own price."""
         if stakes is None:
             return self._flat_s
         return np.minimum(self._flat_s, self._settings.doubt * stakes.regret_s)

@@ -22,7 +22,7 @@ from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_
 from modules.decider.rehearsal import rehearse
 from modules.decider.settings import Settings
 from modules.decider.situation import Decision, Situation
-from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of
+from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of, unsettled_at
 
 POSSIBLE = 1e-9
 """Junction types less probable than this are not counted in the size of the problem."""
@@ -44,7 +44,7 @@ class Decider:
         )
         self._asked: AskedPath | None = None
         self._belief: MapBelief | None = None
-        self._been: frozenset[int] = frozenset()  # where stakes were said
+        self._been: frozenset[int] = frozenset()
         self._made_from: dict[str, MessageId] = {}  # the question and the belief
         self.handlers: Mapping[str, Handler] = {
             "asked/path": self._ask,
@@ -103,8 +103,8 @@ class Decider:
     def _stakes(
         self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
     ) -> Stakes | None:
-        """Of the first time at a place only, and where there is time to reckon them."""
-        if situation.place in self._been:
+        """Where there is time to reckon them, and it does not come back to a place for its type."""
+        if situation.place in self._been and unsettled_at(situation):
             return None
         self._been = self._been | {situation.place}
         cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns) // STAKES_SHARE)

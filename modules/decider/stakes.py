@@ -109,6 +109,14 @@ def regret_of_leaving(outlook: Outlook) -> NDArray[np.float64]:
     return regret
 
 
+def unsettled_at(situation: Situation) -> bool:
+    """Whether v has a corridor of which it is not known (``known_at``) if it exists."""
+    at = situation.grid.place(situation.place)
+    corridors = [situation.grid.corridor(*at, direction) for direction in DIRECTIONS]
+    p = situation.corridor_probability[[c for c in corridors if c >= 0]]
+    return bool(((p > 1.0 - situation.known_at) & (p < situation.known_at)).any())
+
+
 def coming_back_s(situation: Situation) -> float:
     """Seconds to leave v and come back to it, by its shortest corridor."""
     at = situation.grid.place(situation.place)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from bus.costs import CostModel, Rate
 from bus.facts import Facts
@@ -16,7 +17,7 @@ from modules.decider import decide
 from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, outlook_cells
 from modules.decider.process import Decider, build
 from modules.decider.settings import Settings
-from modules.decider.stakes import regret_s, stakes_cells, stakes_of
+from modules.decider.stakes import regret_s, stakes_cells, stakes_of, unsettled_at
 from modules.geographer import ConnectedMaps
 from tests.decider.test_outlook import situation
 
@@ -46,12 +47,16 @@ def asked(visit: int, until_ns: int = 240 * 10**9, waypoints: tuple[int, ...] = 
 
 
 def told(
-    decider: Decider, question: AskedPath, place: int, costs: CostModel = FREE
+    decider: Decider,
+    question: AskedPath,
+    place: int,
+    costs: CostModel = FREE,
+    heard: MapBelief | None = None,
 ) -> tuple[Any, ...]:
     """What it says once question and belief are there, and its turn."""
     turn = Turn(0, costs, ("geographer", 1))
     decider.handlers["asked/path"](question, Turn(0, costs, ("world", 0)))
-    decider.handlers["belief/map"](belief(question.visit, place), turn)
+    decider.handlers["belief/map"](heard or belief(question.visit, place), turn)
     return (*(message for message, _ in turn.said), turn)
 
 
@@ -87,7 +92,7 @@ def test_the_papers_model_is_used_where_it_is_set_and_in_spare_time() -> None:
     assert spare.direction.tolist() == expected.direction.tolist()
 
 
-def test_it_says_what_a_wrong_type_would_cost_the_first_time_at_a_place() -> None:
+def test_it_says_what_a_wrong_type_would_cost_unless_it_comes_back_for_it() -> None:
     decider = a_decider()
     stakes, decision, turn = told(decider, asked(1), 4)
     assert isinstance(stakes, JunctionStakes)
@@ -100,9 +105,15 @@ def test_it_says_what_a_wrong_type_would_cost_the_first_time_at_a_place() -> Non
     assert sum(cells for kind, cells in turn.works if kind == "path") == (
         outlook.decision.cells + weighed.cells
     )
-    # Whoever comes back finds out for sure: the classifier's own price holds then.
+    # Whoever comes back to an unsettled place finds out: the classifier's own price holds then.
+    assert unsettled_at(s)
     assert [type(m) for m in told(decider, asked(2), 4)[:-1]] == [PathDecision]
     assert [type(m) for m in told(decider, asked(3), 3)[:-1]] == [JunctionStakes, PathDecision]
+    known = replace(belief(4, 4), corridors=(belief(4, 4).corridors > 0.5).astype(float))
+    assert [type(m) for m in told(decider, asked(4), 4, heard=known)[:-1]] == [
+        JunctionStakes,
+        PathDecision,
+    ]
 
 
 @pytest.mark.parametrize("cells", [20_000, 60_000, 400_000, 10**7])

@@ -26,7 +26,7 @@ def run() -> Run:
 def test_stakes_are_there_when_sensing_begins(run: Run) -> None:
     said = {s.message.visit: s.said_ns for s in run if isinstance(s.message, JunctionStakes)}
     arrived = {s.message.visit: s.said_ns for s in run if isinstance(s.message, Arrival)}
-    assert len(said) == 9  # at each of the nine intersections once
+    assert len(said) >= 9  # nine intersections, some more than once
     assert all(said[visit] < arrived[visit] for visit in said)
 
 
