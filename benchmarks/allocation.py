@@ -130,15 +130,16 @@ class Way:
 
 def ways(profiles: Profiles) -> list[Way]:
     """The ways that are compared."""
-    one = ("compute.profile=huey-1990", "compute.processors=1")
+    paper = "modules.decider.model=paper"  # its anytime procedure is what is stopped
+    one = ("compute.profile=huey-1990", "compute.processors=1", paper)
     smallest = ("modules.decider.hypotheses=1", "modules.classifier.look_ahead=1")
     return [
         Way("fixed priorities", one),
         Way("smallest problems", (*one, *smallest)),
         Way("by value", one, building_by_value(profiles, 0.0)),
         Way("by value and price", one, building_by_value(profiles, PRICE)),
-        Way("one each", ("compute.profile=huey-1990",)),
-        Way("computing is free", ("compute.profile=free",)),
+        Way("one each", ("compute.profile=huey-1990", paper)),
+        Way("computing is free", ("compute.profile=free", paper)),
     ]
 
 

@@ -54,6 +54,7 @@ CHANGES = (
     "world.patience_s=1000000",
     "world.until_s=1000000",
     "compute.profile=huey-1990",
+    "modules.decider.model=paper",
 )
 HOURS = (*CHANGES, "world.until_s=3600")
 """The runs for one row of Table 1 last an hour; days until the errands are done."""

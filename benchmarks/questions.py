@@ -87,7 +87,13 @@ def asked_in_runs(seeds: Sequence[int], scenarios: Sequence[str] = SCENARIOS) ->
     with noted() as questions:
         for name in scenarios:
             for seed in seeds:
-                day(scenario_of(name, ["modules.geographer.maps_per_type=64"], seed))
+                day(
+                    scenario_of(
+                        name,
+                        ["modules.geographer.maps_per_type=64", "modules.decider.model=paper"],
+                        seed,
+                    )
+                )
     return questions
 
 

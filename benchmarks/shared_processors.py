@@ -24,7 +24,11 @@ PROCESSORS = ("1", "2", "one each")
 
 def days(scenario: str, profile: str, processors: str, seeds: Iterable[int]) -> list[Day]:
     """A run for each seed."""
-    changes = (f"compute.profile={profile}", f"compute.processors={processors}")
+    changes = (
+        f"compute.profile={profile}",
+        f"compute.processors={processors}",
+        "modules.decider.model=paper",
+    )
     return [day(scenario_of(scenario, changes, seed)) for seed in seeds]
 
 

@@ -27,10 +27,12 @@ class Spec:
     dtype: str
     dimensions: int
     meaning: str = "any"
-    """``any``, ``finite``, ``likelihood`` (finite, not negative, not all zero) or
-    ``distribution`` (a likelihood whose last axis sums to one)."""
+    """``any``, ``finite``, ``costs`` (finite, not negative), ``likelihood`` (costs, not all zero)
+    or ``distribution`` (a likelihood whose last axis sums to one)."""
     length: int | None = None
     """Of the last axis, where it is fixed."""
+    rows: int | None = None
+    """Of the first axis, where it is fixed."""
 
 
 Floats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1)]
@@ -53,6 +55,9 @@ TypeDistributions: TypeAlias = Annotated[
 ]
 TypeLikelihood: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "likelihood", JUNCTION_TYPES)]
 TypeFloats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, length=JUNCTION_TYPES)]
+TypePairs: TypeAlias = Annotated[
+    np.ndarray, Spec("float64", 2, "costs", JUNCTION_TYPES, JUNCTION_TYPES)
+]
 TypeBytes: TypeAlias = Annotated[np.ndarray, Spec("uint8", 1, length=JUNCTION_TYPES)]
 
 SUM_TOLERANCE = 1e-9
@@ -88,6 +93,8 @@ def _problem(value: Any, spec: Spec) -> str:
         )
     if spec.length is not None and value.shape[-1] != spec.length:
         return f"found shape {value.shape}, expected {spec.length} along the last axis"
+    if spec.rows is not None and value.shape[0] != spec.rows:
+        return f"found shape {value.shape}, expected {spec.rows} along the first axis"
     return "" if spec.meaning == "any" else _meaning_problem(value, spec.meaning)
 
 
@@ -100,6 +107,8 @@ def _meaning_problem(value: np.ndarray, meaning: str) -> str:
         return f"is empty, expected a {meaning}"
     if value.min() < 0.0:
         return f"holds {value.min()}, expected nothing below zero"
+    if meaning == "costs":
+        return ""
     if meaning == "likelihood":
         return "" if value.max() > 0.0 else "is zero everywhere, expected a positive likelihood"
     with np.errstate(over="ignore"):

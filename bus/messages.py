@@ -25,6 +25,7 @@ from bus.fields import (
     TypeDistributions,
     TypeFloats,
     TypeLikelihood,
+    TypePairs,
     Vector3,
 )
 
@@ -148,6 +149,16 @@ class JunctionLikelihood(Message, frozen=True):
     likelihood: TypeLikelihood
     readings: int
     finished: bool
+
+
+class JunctionStakes(Message, frozen=True):
+    """What concluding one type (row) costs more where another (column) is true, in seconds.
+
+    Of the junction at the end of ``visit``, by the errands still expected.
+    """
+
+    visit: int
+    regret_s: TypePairs
 
 
 class MapBelief(Message, frozen=True):

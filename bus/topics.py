@@ -44,6 +44,7 @@ _TABLE = (
     Topic("belief/pose", m.PoseBelief, SENSOR, (GEOGRAPHER,), "every 25 pings"),
     Topic("reading/feature", m.Reading, DETECTORS, (CLASSIFIER, WORLD), "30-60 s at an LDP"),
     Topic("prior/junction", m.JunctionPrior, GEOGRAPHER, (CLASSIFIER,), "each corridor"),
+    Topic("stakes/junction", m.JunctionStakes, DECIDER, (CLASSIFIER,), "each corridor"),
     Topic("likelihood/junction", m.JunctionLikelihood, CLASSIFIER, (GEOGRAPHER,), "each reading"),
     Topic("belief/map", m.MapBelief, GEOGRAPHER, (DECIDER,), "each corridor"),
     Topic("asked/sensing", m.AskedSensing, WORLD, (CLASSIFIER,), "each action, each corridor"),

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from bus.facts import Facts
 from bus.messages import (
@@ -18,15 +20,28 @@ from bus.messages import (
     Departure,
     JunctionLikelihood,
     JunctionPrior,
+    JunctionStakes,
     SensingDecision,
 )
 from bus.messages import Reading as Read
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
-from modules.classifier.choose import STOP, choose, flat_cost_s, look_ahead_within, rehearse
+from modules.classifier.choose import (
+    STOP,
+    cells_before,
+    choose,
+    flat_cost_s,
+    look_ahead_within,
+    rehearse,
+)
 from modules.classifier.likelihood import Reading, junction_likelihood
 from modules.classifier.sensor_model import SHIPPED, SensorModel, load_sensor_model
 from modules.classifier.settings import Settings
+from modules.classifier.worth import LOOK_AHEAD
+
+SPARE_NS = 1_000_000_000
+"""A second answer is not begun where less than so much more time would be left: it must be with
+everybody before the first one is acted on."""
 
 
 class Classifier:
@@ -35,7 +50,10 @@ class Classifier:
     def __init__(self, model: SensorModel, settings: Settings) -> None:
         self._model = model
         self._settings = settings
-        self._cost_s = flat_cost_s(settings.wrong_type_s)
+        self._flat_s = flat_cost_s(settings.wrong_type_s)
+        self._stakes: JunctionStakes | None = None
+        self._stakes_from: tuple[MessageId, ...] = ()
+        self._answered: AskedSensing | None = None  # the first question of a visit, until arrival
         self._visit = -1
         self._heading = 0
         self._arrived = False
@@ -51,6 +69,7 @@ class Classifier:
             "percept/departure": self._departed,
             "percept/arrival": self._came,
             "prior/junction": self._expect,
+            "stakes/junction": self._weigh,
             "asked/sensing": self._ask,
             "reading/feature": self._read,
         }
@@ -61,10 +80,12 @@ class Classifier:
         self._arrived = False
         self._readings, self._branch, self._running = (), (), None
         self._read_from = ()
+        self._answered = None
 
     def _came(self, _said: Arrival, turn: Turn) -> None:
         turn.work("note", 1)
         self._arrived = True
+        self._answered = None
         self._finish_if_nothing_to_read(turn)
 
     def _expect(self, said: JunctionPrior, turn: Turn) -> None:
@@ -79,19 +100,38 @@ class Classifier:
         self._asked_by = (turn.heard,)
         self._decide(turn)
 
+    def _weigh(self, said: JunctionStakes, turn: Turn) -> None:
+        """Hear what a wrong type would cost; what was decided without it is decided again.
+
+        Not where the second answer might be late: the first one stands.
+        """
+        turn.work("note", len(said.regret_s))
+        if not self._settings.heeds_stakes:
+            return
+        self._stakes, self._stakes_from = said, (turn.heard,)
+        first = self._answered
+        if first is None or first.visit != said.visit:
+            return
+        again = msgspec.structs.replace(first, until_ns=first.until_ns - SPARE_NS)
+        cells = cells_before((), None, self._heading, self._model, LOOK_AHEAD[0])
+        if turn.costs.cost_ns("sensing", cells) <= turn.left_ns(again.until_ns):
+            self._asked, self._running = again, None
+            self._decide(turn)
+
     def _decide(self, turn: Turn) -> None:
         """Choose for every outcome, once the question and the prior are both there."""
         asked, prior = self._asked, self._prior
         if asked is None or prior is None or prior.visit != asked.visit:
             return
         self._asked = None
+        said = self._stakes is not None and self._stakes.visit == asked.visit
         choice = choose(
             prior.prior,
             self._readings,
             self._running,
             self._heading,
             self._model,
-            self._cost_s,
+            self._cost_s(self._stakes if said else None),
             self._look_ahead(asked, turn),
         )
         turn.work("sensing", choice.cells)
@@ -108,9 +148,17 @@ class Classifier:
             ),
             *self._asked_by,
             *self._prior_from,
+            *(self._stakes_from if said else ()),
             *self._read_from,
         )
+        self._answered = None if said or asked.action else asked
         self._begin_first(turn)
+
+    def _cost_s(self, stakes: JunctionStakes | None) -> NDArray[np.float64]:
+        """What each conclusion costs: what is said, times the doubt, up to its own price."""
+        if stakes is None:
+            return self._flat_s
+        return np.minimum(self._flat_s, self._settings.doubt * stakes.regret_s)
 
     def _look_ahead(self, asked: AskedSensing, turn: Turn) -> int:
         """How far plans may look ahead in the time left (a fixed-time procedure; section 5)."""

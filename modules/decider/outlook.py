@@ -37,7 +37,18 @@ DEPTH = 2
 """Cells for looking ahead, in what comparing all next moves takes at most."""
 
 
-def decide_by_outlook(situation: Situation, worlds_per_type: int) -> Decision:
+@dataclass(frozen=True, eq=False)
+class Outlook:
+    """A decision, and what each way out costs where each type is true."""
+
+    decision: Decision
+    leaving_s: NDArray[np.float64]
+    """(16, 4): expected cost of leaving v by each of DIRECTIONS and going on at best, or at most
+    that: there, back and the best of all; nan where no map has the type, infinite where the type
+    has no such way."""
+
+
+def decide_by_outlook(situation: Situation, worlds_per_type: int) -> Outlook:
     """Choose the next corridor for each junction type at v by the least expected cost found.
 
     For each type that a map has, the maps of :func:`by_junction_type`, at most
@@ -60,7 +71,7 @@ def decide_by_outlook(situation: Situation, worlds_per_type: int) -> Decision:
     roads = roads_of(situation.grid, situation.corridor_s)
     found = by_junction_type(situation, roads, worlds_per_type)
     branches = [_branch(situation, roads, errands, t, found.get(t)) for t in range(JUNCTION_TYPES)]
-    return Decision(
+    decision = Decision(
         np.array([b.direction for b in branches], dtype=np.uint8),
         np.array([b.known_s for b in branches]),
         np.array([b.unknown_s for b in branches]),
@@ -68,6 +79,7 @@ def decide_by_outlook(situation: Situation, worlds_per_type: int) -> Decision:
         sum(b.cells for b in branches),
         sum(b.worlds for b in branches),
     )
+    return Outlook(decision, np.array([b.leaving_s for b in branches]))
 
 
 def errands_of(situation: Situation) -> Errands:
@@ -109,6 +121,7 @@ class _Branch:
     direction: int
     known_s: float = np.inf
     unknown_s: float = np.inf
+    leaving_s: tuple[float, ...] = (np.nan,) * len(DIRECTIONS)
     cells: int = 0
     worlds: int = 0
 
@@ -126,10 +139,12 @@ def _branch(
         return _Branch(_hope(situation, roads, junction_type))
     goal = situation.goals[0]
     first = moves.to == goal
+    steps = [_step_to(roads, known, situation.place, goal, to) for to in moves.to.tolist()]
     return _Branch(
-        _step_to(roads, known, situation.place, goal, int(moves.to[moves.best])),
+        steps[moves.best],
         _least(moves, first),
         _least(moves, ~first),
+        _leaving_s(roads, known, situation.place, moves, np.array(steps)),
         moves.cells * len(errands.goals),
         len(worlds),
     )
@@ -164,6 +179,24 @@ def _worlds(
 def _least(moves: Moves, which: NDArray[np.bool_]) -> float:
     """The least expected cost of some moves; infinite for none."""
     return float(np.min(moves.expected, where=which, initial=np.inf))
+
+
+def _leaving_s(
+    roads: Roads,
+    known: NDArray[np.uint8],
+    place: int,
+    moves: Moves,
+    steps: NDArray[np.int64],
+) -> tuple[float, ...]:
+    """What each way out of ``place`` costs: (4,). ``steps`` are the direction bits of the moves."""
+    best = _least(moves, np.ones(len(steps), np.bool_))
+    found = []
+    for number, direction in enumerate(DIRECTIONS):
+        corridor = roads.corridor[place, number]
+        open_ = corridor >= 0 and known[corridor] == FREE
+        back_s = best + 2.0 * float(roads.seconds[corridor]) if open_ else np.inf
+        found.append(min(_least(moves, steps == direction), back_s))
+    return tuple(found)
 
 
 def _hope(situation: Situation, roads: Roads, junction_type: int) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 
 from bus.facts import Facts
 from bus.grid import OPPOSITE
-from bus.messages import AskedPath, MapBelief, PathDecision
+from bus.messages import AskedPath, JunctionStakes, MapBelief, PathDecision
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.decider.decision import decide
@@ -21,10 +21,14 @@ from modules.decider.methods import MethodInUse
 from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_worlds
 from modules.decider.rehearsal import rehearse
 from modules.decider.settings import Settings
-from modules.decider.situation import Situation
+from modules.decider.situation import Decision, Situation
+from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of, unsettled_at
 
 POSSIBLE = 1e-9
 """Junction types less probable than this are not counted in the size of the problem."""
+
+STAKES_SHARE = 8
+"""One part in so many of the time left may go into saying what a wrong type would cost."""
 
 
 class Decider:
@@ -40,6 +44,7 @@ class Decider:
         )
         self._asked: AskedPath | None = None
         self._belief: MapBelief | None = None
+        self._been: frozenset[int] = frozenset()
         self._made_from: dict[str, MessageId] = {}  # the question and the belief
         self.handlers: Mapping[str, Handler] = {
             "asked/path": self._ask,
@@ -69,7 +74,7 @@ class Decider:
         elif self._settings.model == "paper" or not situation.goals:
             found = decide(situation, self._size(asked, belief, turn))
         else:
-            found = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn))
+            found = self._by_outlook(situation, asked, belief, turn)
         turn.work("path", found.cells)
         turn.say(
             PathDecision(
@@ -83,6 +88,32 @@ class Decider:
             ),
             *self._made_from.values(),
         )
+
+    def _by_outlook(
+        self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
+    ) -> Decision:
+        """Decide by least expected cost, and say what a wrong type at v would cost."""
+        stakes = self._stakes(situation, asked, belief, turn)
+        outlook = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn))
+        if stakes is not None:
+            regret = regret_s(situation, stakes, outlook)
+            turn.say(JunctionStakes(asked.visit, regret), *self._made_from.values())
+        return outlook.decision
+
+    def _stakes(
+        self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
+    ) -> Stakes | None:
+        """Where there is time to reckon them, and it does not come back to a place for its type."""
+        if situation.place in self._been and unsettled_at(situation):
+            return None
+        self._been = self._been | {situation.place}
+        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns) // STAKES_SHARE)
+        maps = most_maps(_types(belief), len(situation.tasks), cells)
+        if maps is None:
+            return None
+        stakes = stakes_of(situation, maps)
+        turn.work("path", stakes.cells)
+        return stakes
 
     def _situation(self, asked: AskedPath, belief: MapBelief) -> Situation:
         expected = asked.expected if self._settings.explores else np.zeros_like(asked.expected)

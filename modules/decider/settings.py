@@ -26,4 +26,4 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     sensing_s: Annotated[float, msgspec.Meta(ge=0)] = 90.0
     explores: bool = True
     method: Choice | Literal["expected value"] = "expected value"
-    model: Literal["paper", "least expected cost"] = "paper"
+    model: Literal["paper", "least expected cost"] = "least expected cost"

@@ -35,11 +35,15 @@ def arrays(draw: st.DrawFn, spec: Spec) -> Any:
     )
     if spec.length is not None:
         shape[-1] = spec.length
+    if spec.rows is not None:
+        shape[0] = spec.rows
     if spec.meaning in ("likelihood", "distribution"):
         value = draw(stn.arrays(spec.dtype, tuple(shape), elements=st.floats(0.0, 1.0)))
         value[..., 0] += 0.5
         return value / value.sum(axis=-1, keepdims=True) if spec.meaning[0] == "d" else value
-    elements = st.floats(allow_nan=False, allow_infinity=False) if spec.meaning != "any" else None
+    lowest = 0.0 if spec.meaning == "costs" else None
+    finite = st.floats(lowest, allow_nan=False, allow_infinity=False)
+    elements = finite if spec.meaning != "any" else None
     return draw(stn.arrays(spec.dtype, tuple(shape), elements=elements))
 
 

@@ -93,3 +93,13 @@ def test_no_hypothesis_is_no_distribution() -> None:
 def test_bytes_of_another_order_are_another_dtype() -> None:
     with pytest.raises(FieldError, match="found >f8"):
         check_arrays(pose(np.zeros((3, 3), ">f8")))
+
+
+def test_stakes_are_sixteen_by_sixteen_and_never_negative() -> None:
+    check_arrays(m.JunctionStakes(0, np.zeros((16, 16))))
+    with pytest.raises(FieldError, match=r"shape \(15, 16\), expected 16 along the first axis"):
+        check_arrays(m.JunctionStakes(0, np.zeros((15, 16))))
+    with pytest.raises(FieldError, match=r"holds -1\.0, expected nothing below zero"):
+        check_arrays(m.JunctionStakes(0, np.full((16, 16), -1.0)))
+    with pytest.raises(FieldError, match="not finite"):
+        check_arrays(m.JunctionStakes(0, np.full((16, 16), np.inf)))

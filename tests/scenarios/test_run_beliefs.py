@@ -41,7 +41,7 @@ NINE: Table = {
 }
 
 HALF_DEAF = {"dropout": 0.5, "cross_talk": 0.3}
-CAREFUL = {"wrong_type_s": 1e9}
+CAREFUL = {"wrong_type_s": 1e9, "heeds_stakes": False}
 
 KINDS: dict[str, dict[str, Any]] = {
     "quiet": {},
