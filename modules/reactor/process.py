@@ -13,10 +13,10 @@ from bus.facts import Facts
 from bus.messages import Attention, Departure, Ranges, ReactionDecision
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
-from modules.reactor.cone import Floats, check_ring
+from modules.reactor.cone import Floats, cones_ahead
 from modules.reactor.diagram import Settings as Reacting
 from modules.reactor.meeting import ACTS, LEFT, RIGHT, Body
-from modules.reactor.openness import sectors_m
+from modules.reactor.openness import sectors_of
 from modules.reactor.react import Reaction, react
 from modules.reactor.room import WIDE, Room
 from modules.reactor.settings import Settings
@@ -38,7 +38,9 @@ class Reactor:
     def __init__(self, facts: Facts, settings: Settings) -> None:
         self._attention_s = settings.attention_s
         self._diagram = compiled(Reacting(body=Body(speed_m_s=facts.speed_m_s)))
-        self._tracker = Tracker()
+        self._cones = cones_ahead(facts.ring)
+        self._sectors = sectors_of(facts.ring)
+        self._tracker = Tracker(cones=self._cones)
         self._act = "continue"
         self._said_s = -math.inf
         self._attentive = False
@@ -53,7 +55,7 @@ class Reactor:
 
     def _departed(self, _said: Departure, turn: Turn) -> None:
         turn.work("note", 1)
-        self._tracker = Tracker()
+        self._tracker = Tracker(cones=self._cones)
         self._scan_before = ()
         self._pings.clear()
         self._act, self._lateral_m = "continue", 0.0
@@ -66,8 +68,9 @@ class Reactor:
         scan = Scan(time_s, said.mean_m, said.sigma_m, said.speed_m_s, self._lateral_m)
         self._tracker = updated(self._tracker, scan)
         turn.work("track", self._tracker.cells)
-        self._pings.append(sectors_m(said.mean_m))
-        sides = beside(tuple(self._pings), self._lateral_m, self._diagram.settings.body)
+        self._pings.append(self._sectors.free_m(said.mean_m))
+        body = self._diagram.settings.body
+        sides = beside(tuple(self._pings), self._sectors, self._lateral_m, body)
         reaction = react(self._tracker, self._act, self._diagram, sides)
         waits = reaction is not None and reaction.act != self._act
         self._attend(turn, waits or self._tracker.wants_attention or self._act != "continue")
@@ -117,6 +120,5 @@ class Reactor:
 
 
 def build(facts: Facts, settings: Settings, _seed: int) -> Reactor:
-    """The reactor of one run. Raises RingError for a ring that it does not know."""
-    check_ring(facts.ring)
+    """The reactor of one run. Raises RingError for a ring that does not see ahead."""
     return Reactor(facts, settings)

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bus.facts import Ring
 from modules.reactor import Scan, Settings, Tracker, compiled, react, updated
-from modules.reactor.openness import sectors_m
+from modules.reactor.openness import sectors_of
 from modules.reactor.sides import PINGS, beside
 from simworld.building import Building, build
 from simworld.people import (
@@ -30,6 +31,7 @@ from simworld.sonar import SonarRing, echoes
 DT_S = 0.05
 ORDINARY_S, FAST_S = 2.0, 0.25
 RING = SonarRing()
+SECTORS = sectors_of(Ring())
 DIAGRAM = compiled(Settings())
 START_M, LENGTH_M = 3.0, 26.4
 ENTERS_S = 3.0
@@ -72,8 +74,8 @@ class Mind:
         """Take in a ping; seconds until the next."""
         self.tracker = updated(self.tracker, scan)
         wait_s = FAST_S if self.tracker.wants_attention else ORDINARY_S
-        self.pings.append(sectors_m(scan.mean_m))
-        sides = beside(tuple(self.pings), scan.lateral_m, DIAGRAM.settings.body)
+        self.pings.append(SECTORS.free_m(scan.mean_m))
+        sides = beside(tuple(self.pings), SECTORS, scan.lateral_m, DIAGRAM.settings.body)
         reaction = react(self.tracker, self.last, DIAGRAM, sides)
         if reaction is None or not reaction.due or scan.time_s + FAST_S <= not_before_s:
             return wait_s
