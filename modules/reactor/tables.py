@@ -82,7 +82,7 @@ the robot is abreast of it."""
 def collision_table(settings: Settings) -> Floats:
     """P(collision | side, room, act, what, intent, ttc, column), from the geometry of the corridor.
 
-    Shape (27, 5, 8, 5, 2, 13, 28). Within a class everything is equally likely. The room is that
+    Shape (27, 5, 8, 5, 2, 13, 30). Within a class everything is equally likely. The room is that
     on the side to which the act goes; other acts are alike whatever the room. A *column* is a line
     or a pair, as in :mod:`modules.reactor.thing`; a pair is touched if one of the two is.
     """
@@ -92,7 +92,7 @@ def collision_table(settings: Settings) -> Floats:
 def risk_table(settings: Settings) -> Floats:
     """Collision as a share of the worst, what and intent summed out.
 
-    Shape (27, 5, 8, 4, 13, 28): side, room, act, heard, ttc, column.
+    Shape (27, 5, 8, 4, 13, 30): side, room, act, heard, ttc, column.
     """
     weight = np.einsum(
         "hw,wi,aw->ahwi",

@@ -22,15 +22,15 @@ from modules.reactor.cone import Floats
 SPEEDS_M_S: Floats = np.concatenate([[0.0], np.linspace(0.6, 2.0, 15)])
 """Towards the robot, in the world; the first is a thing that stands."""
 
-_LINE_EDGES_M = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.5])
+_LINE_EDGES_M = np.array([0.05, 0.1, 0.15, 0.2, 0.235, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.5])
 LINE_EDGES_M: Floats = np.concatenate([-_LINE_EDGES_M[::-1], _LINE_EDGES_M])
 """Edges of the lines, metres left of the centre line.
 
 Beyond 0.5 a robot on the centre line is passed, beyond 0.6 by a cart too; within 0.25 the three
-cones most nearly ahead hear a person (radius 0.25); within 0.15 it does not matter to which side
-the robot goes (0.65 - 0.5). In between the lines are narrow: which cones graze a person is what
-tells the side. Beyond 0.75 nobody walks; there are walls, their corners and door frames, and what
-leans against them.
+cones most nearly ahead hear a person (radius 0.25), and just within it two of them a little
+further off; within 0.15 it does not matter to which side the robot goes (0.65 - 0.5). In between
+the lines are narrow: which cones graze a person is what tells the side. Beyond 0.75 nobody walks;
+there are walls, their corners and door frames, and what leans against them.
 """
 
 FARTHEST_LINE_M = 0.75

@@ -24,7 +24,14 @@ from modules.reactor.thing import (
     VARIANCE,
     EchoModel,
 )
-from tests.reactor.things import born, echoes_of_disc, listened, moved, reweighed
+from tests.reactor.things import (
+    born,
+    echoes_of_disc,
+    echoes_of_discs,
+    listened,
+    moved,
+    reweighed,
+)
 
 SETTINGS = Settings()
 DIAGRAM = compiled(SETTINGS)
@@ -178,6 +185,8 @@ def test_scans_must_follow_in_time() -> None:
         updated(tracker, scan(2.0, 5.0))
     with pytest.raises(ScanError, match="shapes"):
         Scan(1.0, np.zeros(24), np.zeros(23))
+    with pytest.raises(ScanError, match="found 16 ranges, expected 24"):
+        updated(tracker, Scan(3.0, np.zeros(16), np.zeros(16)))
 
 
 def test_one_step_is_bayes_rule_by_integration() -> None:
@@ -268,3 +277,35 @@ def test_what_has_become_impossible_is_not_worked_on_any_more() -> None:
     assert tracker.things[0].standing > 0.99
     assert max(cells) > len(USUAL.numbers) * len(SPEEDS_M_S) * COLUMNS
     assert cells[-1] == len(USUAL.numbers) * (1 + COLUMNS)  # one speed, nought
+
+
+def of_two(
+    time_s: float, ahead_m: float, left_m: float, right_m: float, further_m: float = 0.0
+) -> Scan:
+    """A ping of two who come abreast, the right one so much further behind."""
+    discs = ((ahead_m, left_m), (ahead_m + further_m, -right_m))
+    return scan(time_s, *echoes_of_discs(*discs))
+
+
+@pytest.mark.parametrize("further_m", [0.0, 0.2])
+@pytest.mark.parametrize(("left_m", "right_m"), [(0.6, 0.6), (0.55, 0.7)])
+def test_two_abreast_are_told_from_one_before_they_are_here(
+    left_m: float, right_m: float, further_m: float
+) -> None:
+    tracker = Tracker()
+    for k in range(20):
+        at = 8.0 - 0.25 * k * 1.385
+        tracker = updated(tracker, of_two(10.0 + 0.25 * k, at, left_m, right_m, further_m))
+        if at < 2.9:  # then the outer transducers hear one each
+            break
+    (pair,) = [thing for thing in tracker.things if thing.approaching > 0.5]
+    assert pair.weight[:, SINGLE:].sum() > 0.9
+    reaction = react(tracker, "continue", DIAGRAM)
+    assert reaction is not None and reaction.act == "continue"
+
+
+def test_one_is_not_taken_for_two_abreast() -> None:
+    for left_m in (0.0, 0.1, 0.2, 0.24, -0.4):
+        for seed in range(5):
+            thing = approach(1.3, left_m, 15, seed).things[0]
+            assert thing.weight[:, SINGLE:].sum() < 0.1
