@@ -39,7 +39,8 @@ WAYS = ("echo", "stays", "goes away", "comes")
 class Settings:
     """What the reactor assumes and prefers.
 
-    ``what`` is P(what | heard), rows as in HEARD; ``makes_room`` P(intent | what).
+    ``what`` is P(what | heard), rows as in HEARD; ``makes_room`` P(intent | what): half
+    of the people look up.
     ``collision`` is the loss by a collision, a quarter of an hour; ``touch`` the share of it
     that comes of touching at half speed what stands: the bumper stops a robot at 4 cm/s.
     ``delay_s`` is by (act, way), acts as in ACTS, ways as in WAYS: waiting for what stays gets
@@ -68,7 +69,7 @@ class Settings:
         (0.0, 0.0, 0.0, 0.8, 0.2),
         (0.0, 0.0, 0.0, 0.98, 0.02),
     )
-    makes_room: tuple[float, ...] = (0.0, 0.0, 0.8, 0.7, 0.0)
+    makes_room: tuple[float, ...] = (0.0, 0.0, 0.8, 0.5, 0.0)
     collision: float = 1000.0
     touch: float = 0.08
     delay_s: tuple[tuple[float, float, float, float], ...] = (

@@ -151,6 +151,22 @@ def test_all_five_classes_and_both_intents_can_be() -> None:
     assert len(utilities_by_class) == len(WHAT)
 
 
+def test_what_a_change_of_mind_costs() -> None:
+    change = change_table(SETTINGS)
+
+    def costs(now: str, then: str) -> float:
+        return float(change[ACTS.index(now), ACTS.index(then)])
+
+    assert (np.diag(change) == 0.0).all()
+    for one, other in (("left", "right"), ("right", "left")):
+        assert costs(f"pull aside {one}", f"pull aside {other}") == SETTINGS.cross_s
+        assert costs(f"pass {one}", f"pull aside {other}") == SETTINGS.cross_s
+        assert costs(f"pass {one}", f"pass {other}") == SETTINGS.turn_back_s
+        assert costs(f"pass {one}", f"pull aside {one}") == SETTINGS.change_s
+    assert costs("continue", "slow") == costs("stop", "continue") == SETTINGS.change_s
+    assert costs("slow", "continue") == 0.0
+
+
 def test_to_drive_on_after_driving_slowly_is_no_change_of_mind() -> None:
     beside = belief(STANDS, place_class(1.1), line_at(0.65))
     assert best(beside, "slow") == "continue"
