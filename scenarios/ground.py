@@ -61,6 +61,7 @@ def draw_ground(scenario: Scenario, rng: np.random.Generator) -> Ground:
     building = _building(scenario.world, rng)
     start, heading = _start(scenario, building, rng)
     ring, wedges = _ring(scenario.world.sonar), scenario.sensing.wedges
+    _check_false_echoes(scenario.world, ring)
     return Ground(building, start, heading, scenario.world.speed_m_s, ring, wedges)
 
 
@@ -70,6 +71,15 @@ def _ring(settings: SonarSettings) -> Ring:
     except SonarError as error:
         raise ScenarioError(f"world.sonar: {error}") from None
     return Ring(ring.transducers, ring.half_angle_rad, ring.nearest_m, ring.farthest_m)
+
+
+def _check_false_echoes(settings: WorldSettings, ring: Ring) -> None:
+    for k, false_echo in enumerate(settings.false_echo):
+        if max(false_echo.transducers, default=0) >= ring.transducers:
+            raise ScenarioError(
+                f"world.false_echo[{k}].transducers: found {max(false_echo.transducers)}, "
+                f"expected 0 to {ring.transducers - 1}, one of the ring's {ring.transducers}"
+            )
 
 
 def _building(settings: WorldSettings, rng: np.random.Generator) -> Building:

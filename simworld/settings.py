@@ -83,7 +83,7 @@ class FalseEchoSettings(_Settings, frozen=True):
 
     at_s: NotNegative
     lasts_s: Positive = 5.0
-    transducers: tuple[Annotated[int, msgspec.Meta(ge=0, le=23)], ...] = (0,)
+    transducers: tuple[Annotated[int, msgspec.Meta(ge=0, le=359)], ...] = (0,)
     share: Share = 0.8
 
 

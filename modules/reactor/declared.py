@@ -39,7 +39,7 @@ class Solved:
 def declare(heard: Floats, side: int, room: tuple[int, int], doing: str, settings: Settings) -> Any:
     """The diagram of one encounter as a ``pyagrum.InfluenceDiagram``.
 
-    ``heard`` (heard, ttc, line) is the belief about what is heard, of which only what is not
+    ``heard`` (heard, ttc, column) is the belief about what is heard, of which only what is not
     impossible becomes a state of the node *seen*; ``side`` where the robot is, an index of
     SIDES_M; ``room`` the classes of room on the left and right, indices of ROOMS_M; ``doing``
     what it does now. Raises ImportError without pyAgrum.
@@ -110,12 +110,12 @@ def _fill_aside(diagram: Any) -> None:
 
 
 def _fill_collision(diagram: Any, seen: Any, collision: Floats) -> None:
-    """``collision`` (rooms, acts, what, intent, ttc, line) of the robot's side."""
-    for k, (_, ttc, line) in enumerate(seen):
+    """``collision`` (rooms, acts, what, intent, ttc, column) of the robot's side."""
+    for k, (_, ttc, column) in enumerate(seen):
         for w, i, a, r in product(
             range(len(WHAT)), range(len(INTENT)), range(len(ACTS)), range(len(ROOMS_M))
         ):
-            p = float(collision[r, a, w, i, ttc, line])
+            p = float(collision[r, a, w, i, ttc, column])
             given = {"seen": k, "what": w, "intent": i, "act": a, "aside": r}
             diagram.cpt("collision")[given] = [1.0 - p, p]
 

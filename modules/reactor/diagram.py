@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from modules.reactor.cone import Floats
-from modules.reactor.meeting import ACTS, LEFT, RIGHT, Body, Walking
+from modules.reactor.meeting import ACTS, CONTINUE, LEFT, RIGHT, Body, Walking
 
 HEARD = ("false echo", "stands", "comes slowly", "comes fast")
 FALSE_ECHO, STANDS, COMES_SLOWLY, COMES_FAST = range(4)
@@ -39,7 +39,8 @@ WAYS = ("echo", "stays", "goes away", "comes")
 class Settings:
     """What the reactor assumes and prefers.
 
-    ``what`` is P(what | heard), rows as in HEARD; ``makes_room`` P(intent | what).
+    ``what`` is P(what | heard), rows as in HEARD; ``makes_room`` P(intent | what): half
+    of the people look up.
     ``collision`` is the loss by a collision, a quarter of an hour; ``touch`` the share of it
     that comes of touching at half speed what stands: the bumper stops a robot at 4 cm/s.
     ``delay_s`` is by (act, way), acts as in ACTS, ways as in WAYS: waiting for what stays gets
@@ -68,7 +69,7 @@ class Settings:
         (0.0, 0.0, 0.0, 0.8, 0.2),
         (0.0, 0.0, 0.0, 0.98, 0.02),
     )
-    makes_room: tuple[float, ...] = (0.0, 0.0, 0.8, 0.7, 0.0)
+    makes_room: tuple[float, ...] = (0.0, 0.0, 0.8, 0.5, 0.0)
     collision: float = 1000.0
     touch: float = 0.08
     delay_s: tuple[tuple[float, float, float, float], ...] = (
@@ -114,10 +115,9 @@ def intent_table(settings: Settings) -> Floats:
 
 def severity_table(settings: Settings) -> Floats:
     """How bad a collision is, as a share of ``collision``: (acts, what)."""
-    full = ACTS.index("continue")
     severity = np.ones((len(ACTS), len(WHAT)))
     for what in (LEFT_OBJECT, DOOR_LEAF):
-        severity[np.arange(len(ACTS)) != full, what] = settings.touch
+        severity[np.arange(len(ACTS)) != CONTINUE, what] = settings.touch
     return severity
 
 
@@ -134,8 +134,12 @@ def time_table(settings: Settings) -> Floats:
 
 
 def change_table(settings: Settings) -> Floats:
-    """What it costs to do another act (column) than now (row): (acts, acts)."""
+    """What it costs to do another act (column) than now (row): (acts, acts).
+
+    To drive on at full speed after driving slowly is no change of mind.
+    """
     change: Floats = settings.change_s * (1.0 - np.eye(len(ACTS)))
+    change[ACTS.index("slow"), CONTINUE] = 0.0
     change[np.ix_(LEFT, RIGHT)] = change[np.ix_(RIGHT, LEFT)] = settings.cross_s
     one, other = ACTS.index("pass left"), ACTS.index("pass right")
     change[one, other] = change[other, one] = settings.turn_back_s

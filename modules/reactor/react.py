@@ -23,8 +23,8 @@ from modules.reactor.track_kernels import APPROACHING, FALSE, FIRST_S, PINGS, ST
 class Encounter:
     """What is believed of one thing, as the influence diagram needs it.
 
-    ``heard`` (heard, ttc, line) sums to 1; ``side`` is the index in SIDES_M of where the robot is;
-    ``soon`` the probability that the thing is here within ``soon_s``.
+    ``heard`` (heard, ttc, column) sums to 1; ``side`` is the index in SIDES_M of where the robot
+    is; ``soon`` the probability that the thing is here within ``soon_s``.
     """
 
     heard: Floats

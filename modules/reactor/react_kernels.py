@@ -19,7 +19,7 @@ from modules.reactor.diagram import (
 )
 from modules.reactor.meeting import ACTS
 from modules.reactor.tables import STANDS_EDGES_M, TTC_CLASSES, TTC_EDGES_S
-from modules.reactor.thing import DISTANCE, LINES_M, SPEEDS_M_S, WEIGHT
+from modules.reactor.thing import COLUMNS, DISTANCE, SPEEDS_M_S, WEIGHT
 
 Ints: TypeAlias = NDArray[np.int64]
 
@@ -28,25 +28,25 @@ Ints: TypeAlias = NDArray[np.int64]
 def in_classes(
     belief: Floats, false: float, reach_m: float, speed_m_s: float, soon_s: float
 ) -> tuple[Floats, float]:
-    """The belief about a thing by how it moves, class of time or place, and line; P(soon).
+    """The belief about a thing by how it moves, class of time or place, and column; P(soon).
 
     ``reach_m`` is the distance at which it touches, ``speed_m_s`` how fast the robot drives;
     soon is within ``soon_s``.
     """
     soon = 0.0
-    heard = np.zeros((len(HEARD), TTC_CLASSES, len(LINES_M)))
-    heard[FALSE_ECHO, -1] = false / len(LINES_M)
+    heard = np.zeros((len(HEARD), TTC_CLASSES, COLUMNS))
+    heard[FALSE_ECHO, -1] = false / COLUMNS
     for row in range(len(SPEEDS_M_S)):
         kind = COMES_SLOWLY if SPEEDS_M_S[row] < SLOW_M_S else COMES_FAST
         kind = STANDS if row == 0 else kind
         closing = SPEEDS_M_S[row] + speed_m_s
-        for line in range(len(LINES_M)):
-            weight = belief[WEIGHT, row, line]
+        for column in range(COLUMNS):
+            weight = belief[WEIGHT, row, column]
             if weight > 0.0:
-                ahead = belief[DISTANCE, row, line]
+                ahead = belief[DISTANCE, row, column]
                 seconds = (ahead - reach_m) / closing
                 at = _class(ahead, STANDS_EDGES_M) if row == 0 else _class(seconds, TTC_EDGES_S)
-                heard[kind, at, line] += weight
+                heard[kind, at, column] += weight
                 soon += weight if seconds < soon_s else 0.0
     return heard, soon
 
@@ -66,7 +66,7 @@ def expected(
 ) -> tuple[Floats, Floats, float, int]:
     """Collision and loss of each act, P(somebody comes), entries touched.
 
-    ``risk_table`` (rooms, acts, heard, ttc, line) is that of the robot's side, ``rooms`` (acts,)
+    ``risk_table`` (rooms, acts, heard, ttc, column) is that of the robot's side, ``rooms`` (acts,)
     the class of the room that each act has, ``stands_there`` (acts,) how much of the risk by what
     stands remains when it was looked whether the way is open, ``loss`` (acts, heard).
     """
@@ -74,13 +74,13 @@ def expected(
     kinds = np.zeros(len(HEARD))
     for kind in range(len(HEARD)):
         for ttc in range(TTC_CLASSES):
-            for line in range(len(LINES_M)):
-                p = heard[kind, ttc, line]
+            for column in range(COLUMNS):
+                p = heard[kind, ttc, column]
                 if p == 0.0:
                     continue
                 entries += len(ACTS)
                 kinds[kind] += p
                 for act in range(len(ACTS)):
-                    hit = p * risk_table[rooms[act], act, kind, ttc, line]
+                    hit = p * risk_table[rooms[act], act, kind, ttc, column]
                     risk[act] += hit * stands_there[act] if kind == STANDS else hit
     return risk, loss @ kinds, kinds[COMES_SLOWLY] + kinds[COMES_FAST], entries

@@ -1,6 +1,6 @@
 """Does something approach? A belief over the things ahead, ping by ping.
 
-Only the transducers that look ahead matter: number 0 and two neighbours on either side. An echo
+Only the transducers that look ahead matter (:class:`modules.reactor.cone.Cones`). An echo
 that no known thing explains starts a new one; things that nothing speaks for are dropped.
 """
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modules.reactor.cone import Floats
+from modules.reactor.cone import USUAL, Cones, Floats
 from modules.reactor.thing import SHAPE, EchoModel, Thing
 from modules.reactor.track_kernels import (
     APPROACHING,
@@ -20,11 +20,6 @@ from modules.reactor.track_kernels import (
     PINGS,
     scanned,
 )
-
-FORWARD = [0, 1, -1, 2, -2]
-"""The transducers that look ahead, in the order of ``cone.AXES_RAD``."""
-
-USUAL = EchoModel()
 
 
 class ScanError(ValueError):
@@ -37,7 +32,7 @@ class Scan:
 
     ``mean_m`` (transducers,) with nan where no echo came back, ``sigma_m`` (transducers,);
     ``speed_m_s`` is the robot's own along the corridor since the last scan, ``lateral_m`` how
-    far left of the centre line it is. Raises ScanError for ranges of unequal or no length.
+    far left of the centre line it is. Raises ScanError for ranges of unequal length.
     """
 
     time_s: float
@@ -47,15 +42,19 @@ class Scan:
     lateral_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.mean_m.shape != self.sigma_m.shape or self.mean_m.ndim != 1 or len(self.mean_m) < 5:
+        if self.mean_m.shape != self.sigma_m.shape or self.mean_m.ndim != 1:
             raise ScanError(
-                "a scan needs mean_m and sigma_m of one length of at least 5, got shapes "
+                "a scan needs mean_m and sigma_m of one length, got shapes "
                 f"{self.mean_m.shape} and {self.sigma_m.shape}"
             )
 
-    def echoes(self) -> Floats:
-        """Mean and standard deviation for each forward cone, (5, 2)."""
-        echoes: Floats = np.stack([self.mean_m[FORWARD], self.sigma_m[FORWARD]], axis=1)
+    def echoes(self, cones: Cones) -> Floats:
+        """Mean and standard deviation for each cone ahead, (cones, 2)."""
+        if len(self.mean_m) != cones.transducers:
+            raise ScanError(
+                f"found {len(self.mean_m)} ranges, expected {cones.transducers}, one a transducer"
+            )
+        echoes: Floats = np.stack([self.mean_m[cones.numbers], self.sigma_m[cones.numbers]], axis=1)
         return echoes
 
 
@@ -68,7 +67,8 @@ class Tracker:
     ``cells`` is the number of table entries that the last update touched.
     """
 
-    model: EchoModel = USUAL
+    cones: Cones = USUAL
+    model: EchoModel = field(default_factory=EchoModel)
     time_s: float | None = None
     beliefs: Floats = field(default_factory=lambda: np.empty((0, *SHAPE)))
     notes: Floats = field(default_factory=lambda: np.empty((0, NOTES)))
@@ -103,14 +103,18 @@ class Tracker:
 
 
 def updated(tracker: Tracker, scan: Scan) -> Tracker:
-    """The tracker after a scan. Raises ScanError for a scan that is not after the last one."""
+    """The tracker after a scan.
+
+    Raises ScanError for a scan that is not after the last one or of another ring.
+    """
     elapsed_s = 0.0 if tracker.time_s is None else scan.time_s - tracker.time_s
     if elapsed_s < 0 or (elapsed_s == 0 and tracker.time_s is not None):
         raise ScanError(f"scans must follow in time: {scan.time_s} s after {tracker.time_s} s")
     beliefs, notes, cells = scanned(
         tracker.beliefs,
         tracker.notes,
-        scan.echoes(),
+        tracker.cones,
+        scan.echoes(tracker.cones),
         scan.time_s,
         elapsed_s,
         scan.speed_m_s * elapsed_s,
@@ -119,6 +123,7 @@ def updated(tracker: Tracker, scan: Scan) -> Tracker:
     )
     approaching = float(notes[:, APPROACHING].max()) if len(notes) else 0.0
     return Tracker(
+        cones=tracker.cones,
         model=tracker.model,
         time_s=scan.time_s,
         beliefs=beliefs,

@@ -1,6 +1,6 @@
 """A whole scan taken in: every thing ahead after every forward echo, as numba kernels.
 
-Things are two arrays: ``beliefs`` (things, 3, speeds, lines) and ``notes`` (things, 5), oldest
+Things are two arrays: ``beliefs`` (things, 3, speeds, columns) and ``notes`` (things, 5), oldest
 first. ``echoes`` (cones, 2) are the mean range, NaN for none, and its standard deviation.
 """
 
@@ -12,11 +12,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from modules.reactor.cone import Floats
+from modules.reactor.cone import Cones, Floats
 from modules.reactor.thing import DISTANCE, SHAPE, WEIGHT, EchoModel
 from modules.reactor.thing_kernels import bear, hide, listen, move
 
-CONES = 5
 MOST_THINGS = 6
 
 FALSE, PINGS, FIRST_S, APPROACHING, STANDS_AT_M = range(5)
@@ -42,6 +41,7 @@ SAME_M = 0.45
 def scanned(
     beliefs: Floats,
     notes: Floats,
+    cones: Cones,
     echoes: Floats,
     time_s: float,
     elapsed_s: float,
@@ -51,17 +51,17 @@ def scanned(
 ) -> tuple[Floats, Floats, int]:
     """The things after a scan, and how many table entries that touched."""
     known = len(notes)
-    after = np.empty((known + CONES, SHAPE[0], SHAPE[1], SHAPE[2]))
-    noted = np.empty((known + CONES, NOTES))
+    after = np.empty((known + len(echoes), SHAPE[0], SHAPE[1], SHAPE[2]))
+    noted = np.empty((known + len(echoes), NOTES))
     after[:known] = beliefs
     noted[:known] = notes
     for k in range(known):
         noted[k, FALSE] = move(after[k], driven_m, elapsed_s, model)
-    explained = _heard(after[:known], noted[:known], echoes, lateral_m, model)
-    count = _add_new(after, noted, known, echoes, explained, time_s, lateral_m, model)
-    cells = CONES
+    explained = _heard(after[:known], noted[:known], cones, echoes, lateral_m, model)
+    count = _add_new(after, noted, known, cones, echoes, explained, time_s, lateral_m, model)
+    cells = len(echoes)
     for k in range(count):
-        cells += _entries(after[k]) * (CONES if k < known else 1)
+        cells += _entries(after[k]) * (len(echoes) if k < known else 1)
         _note(after[k], noted[k])
     keep = _kept(after[:count], noted[:count])
     return after[keep], noted[keep], cells
@@ -69,14 +69,19 @@ def scanned(
 
 @njit(cache=True)
 def _heard(
-    beliefs: Floats, notes: Floats, echoes: Floats, lateral_m: float, model: EchoModel
+    beliefs: Floats,
+    notes: Floats,
+    cones: Cones,
+    echoes: Floats,
+    lateral_m: float,
+    model: EchoModel,
 ) -> Floats:
     """Take in every forward echo for every thing; how well each echo is explained.
 
     What is known to stand or to come claims its echoes first, the nearest first: it hides the
     rest.
     """
-    explained, walls = np.zeros(CONES), np.zeros(CONES)
+    explained, walls = np.zeros(len(echoes)), np.zeros(len(echoes))
     claims = np.empty(len(notes))
     for k in range(len(notes)):
         _note(beliefs[k], notes[k])
@@ -86,8 +91,8 @@ def _heard(
         elif notes[k, APPROACHING] > SETTLED:
             claims[k] = _walks_at_m(beliefs[k])
     for k in np.argsort(claims, kind="mergesort"):
-        shares = _listen_all(beliefs[k], notes[k], echoes, walls, lateral_m, model)
-        for cone in range(CONES):
+        shares = _listen_all(beliefs[k], notes[k], cones, echoes, walls, lateral_m, model)
+        for cone in range(len(echoes)):
             explained[cone] = max(explained[cone], shares[cone])
             if claims[k] < np.inf:
                 walls[cone] = max(walls[cone], shares[cone])
@@ -96,17 +101,23 @@ def _heard(
 
 @njit(cache=True)
 def _listen_all(
-    belief: Floats, note: Floats, echoes: Floats, walls: Floats, lateral_m: float, model: EchoModel
+    belief: Floats,
+    note: Floats,
+    cones: Cones,
+    echoes: Floats,
+    walls: Floats,
+    lateral_m: float,
+    model: EchoModel,
 ) -> Floats:
     """One thing after the forward echoes; ``walls`` says which are of a thing before it."""
-    shares = np.zeros(CONES)
+    shares = np.zeros(len(echoes))
     false = note[FALSE]
-    for cone in range(CONES):
+    for cone in range(len(echoes)):
         echo_m, sigma_m = echoes[cone, 0], echoes[cone, 1]
         if walls[cone] > 0.5:
-            false = hide(belief, false, cone, echo_m, sigma_m, lateral_m, model)
+            false = hide(belief, false, cones, cone, echo_m, sigma_m, lateral_m, model)
         else:
-            false, share = listen(belief, false, cone, echo_m, sigma_m, lateral_m, model)
+            false, share = listen(belief, false, cones, cone, echo_m, sigma_m, lateral_m, model)
             shares[cone] = share
     note[FALSE] = false
     if shares.max() > 0.5:
@@ -119,6 +130,7 @@ def _add_new(
     beliefs: Floats,
     notes: Floats,
     known: int,
+    cones: Cones,
     echoes: Floats,
     explained: Floats,
     time_s: float,
@@ -126,19 +138,21 @@ def _add_new(
     model: EchoModel,
 ) -> int:
     """A thing for each group of echoes that nothing known explains, the nearest echo first."""
-    free = np.zeros(CONES, dtype=np.bool_)
-    for cone in range(CONES):
+    free = np.zeros(len(echoes), dtype=np.bool_)
+    for cone in range(len(echoes)):
         free[cone] = explained[cone] < 0.5 and not math.isnan(echoes[cone, 0])
     count = known
     for first in np.argsort(echoes[:, 0], kind="mergesort"):
         if not free[first]:
             continue
         nearest_m, sigma_m = echoes[first, 0], echoes[first, 1]
-        false = bear(beliefs[count], first, nearest_m, sigma_m, lateral_m, model)
-        for cone in range(CONES):
+        false = bear(beliefs[count], cones, first, nearest_m, sigma_m, lateral_m, model)
+        for cone in range(len(echoes)):
             other_m, sigma_m = echoes[cone, 0], echoes[cone, 1]
             if cone != first and explained[cone] < 0.5:
-                false, _ = listen(beliefs[count], false, cone, other_m, sigma_m, lateral_m, model)
+                false, _ = listen(
+                    beliefs[count], false, cones, cone, other_m, sigma_m, lateral_m, model
+                )
             if other_m - nearest_m <= SAME_M:
                 free[cone] = False
         notes[count, FALSE], notes[count, PINGS], notes[count, FIRST_S] = false, 1.0, time_s

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bus.facts import Ring
 from modules.reactor import Scan, Settings, Tracker, compiled, react, updated
-from modules.reactor.openness import sectors_m
+from modules.reactor.cone import cones_ahead
+from modules.reactor.openness import Sectors, sectors_of
 from modules.reactor.sides import PINGS, beside
 from simworld.building import Building, build
 from simworld.people import (
@@ -29,7 +31,7 @@ from simworld.sonar import SonarRing, echoes
 
 DT_S = 0.05
 ORDINARY_S, FAST_S = 2.0, 0.25
-RING = SonarRing()
+RING, USUAL = SonarRing(), Ring()
 DIAGRAM = compiled(Settings())
 START_M, LENGTH_M = 3.0, 26.4
 ENTERS_S = 3.0
@@ -48,11 +50,12 @@ def ping(
     person: Person | None,
     time_s: float,
     rng: np.random.Generator,
+    ring: SonarRing = RING,
 ) -> Scan:
     """One ping of a robot that drives east along y = 0."""
     there = [(walker.s_m, walker.y_m, person.radius_m)] if walker and person else []
-    heard = echoes(RING, corridor(), robot.s_m, robot.y_m, 0.0, rng, there)
-    sigma = RING.sigma_m(np.nan_to_num(heard))
+    heard = echoes(ring, corridor(), robot.s_m, robot.y_m, 0.0, rng, there)
+    sigma = ring.sigma_m(np.nan_to_num(heard))
     return Scan(time_s, heard, sigma, robot.speed_m_s, robot.y_m)
 
 
@@ -64,16 +67,22 @@ class Mind:
     """
 
     delay_s: float = 0.0
-    tracker: Tracker = field(default_factory=Tracker)
+    ring: Ring = USUAL
+    tracker: Tracker = field(init=False)
+    sectors: Sectors = field(init=False)
     decided: list[tuple[float, Act]] = field(default_factory=list)
     pings: deque[NDArray[np.float64]] = field(default_factory=lambda: deque(maxlen=PINGS))
+
+    def __post_init__(self) -> None:
+        self.tracker = Tracker(cones=cones_ahead(self.ring))
+        self.sectors = sectors_of(self.ring)
 
     def hear(self, scan: Scan, not_before_s: float) -> float:
         """Take in a ping; seconds until the next."""
         self.tracker = updated(self.tracker, scan)
         wait_s = FAST_S if self.tracker.wants_attention else ORDINARY_S
-        self.pings.append(sectors_m(scan.mean_m))
-        sides = beside(tuple(self.pings), scan.lateral_m, DIAGRAM.settings.body)
+        self.pings.append(self.sectors.free_m(scan.mean_m))
+        sides = beside(tuple(self.pings), self.sectors, scan.lateral_m, DIAGRAM.settings.body)
         reaction = react(self.tracker, self.last, DIAGRAM, sides)
         if reaction is None or not reaction.due or scan.time_s + FAST_S <= not_before_s:
             return wait_s
@@ -113,6 +122,7 @@ def meet(
     wait: bool = False,
     start_m: float = START_M,
     lasts_s: float | None = None,
+    ring: SonarRing = RING,
 ) -> Outcome:
     """Drive until the person has passed or been touched, or for ``lasts_s`` seconds.
 
@@ -120,7 +130,7 @@ def meet(
     ``wait`` nothing is decided before the deadline.
     """
     rng = np.random.default_rng(seed)
-    robot, walker, mind = RobotInCorridor(start_m), None, Mind(delay_s)
+    robot, walker, mind = RobotInCorridor(start_m), None, Mind(delay_s, known(ring))
     next_s, due_s, touched, met = person.enters_s % ORDINARY_S, np.inf, False, False
     acts: list[tuple[float, Act]] = []
     for k in range(round((lasts_s or 60.0) / DT_S)):
@@ -129,7 +139,9 @@ def meet(
             met = True
             due_s = deadline_s(person, walker, robot, t)
         if t >= next_s:
-            next_s = t + mind.hear(ping(robot, walker, person, t, rng), due_s if wait else 0.0)
+            next_s = t + mind.hear(
+                ping(robot, walker, person, t, rng, ring), due_s if wait else 0.0
+            )
         act = mind.act(t)
         if act != (acts[-1][1] if acts else "continue"):
             acts.append((t, act))
@@ -138,6 +150,11 @@ def meet(
         if lasts_s is None and (touched or (met and walker is None)):
             break
     return Outcome(touched, tuple(acts), due_s, robot)
+
+
+def known(ring: SonarRing) -> Ring:
+    """What a robot knows of its ring."""
+    return Ring(ring.transducers, ring.half_angle_rad, ring.nearest_m, ring.farthest_m)
 
 
 def stranger(seed: int, yields: bool, appears: str = "ahead") -> Person:
@@ -181,6 +198,27 @@ def test_without_a_reactor_most_who_do_not_yield_are_hit() -> None:
     # The centre line leaves 0.5 m on either side of 0.75: 0.5 / 0.75 = 67 % are hit.
     outcomes = met(yields=False, delay_s=1000.0, seeds=200)
     assert 0.57 * 200 < sum(outcome.touched for outcome in outcomes) < 0.76 * 200
+
+
+@pytest.mark.parametrize(
+    ("transducers", "half_angle_deg", "most"),
+    [
+        (16, 20.0, 1),
+        (24, 7.5, 1),
+        (36, 10.0, 1),
+        (48, 7.5, 1),
+        (48, 15.0, 1),
+        # The cones next to the middle one begin off the middle, or reach across it: they tell
+        # only late on which side somebody walks.
+        (16, 15.0, 3),
+        (24, 20.0, 6),
+    ],
+)
+def test_other_rings_see_who_comes(transducers: int, half_angle_deg: float, most: int) -> None:
+    ring = SonarRing(transducers=transducers, half_angle_rad=np.deg2rad(half_angle_deg))
+    outcomes = [meet(stranger(seed, False), seed, ring=ring) for seed in range(40)]
+    assert sum(outcome.touched for outcome in outcomes) <= most  # of 27 that never react
+    assert sum(outcome.late for outcome in outcomes) <= 2
 
 
 @pytest.mark.parametrize("side", ["left door", "right door"])

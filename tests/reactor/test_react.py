@@ -17,6 +17,7 @@ from modules.reactor.diagram import (
     CART,
     COMES_FAST,
     COMES_SLOWLY,
+    DOOR_LEAF,
     ECHO,
     FALSE_ECHO,
     HEARD,
@@ -26,6 +27,7 @@ from modules.reactor.diagram import (
     PERSON,
     STANDS,
     WHAT,
+    change_table,
     intent_table,
     severity_table,
     time_table,
@@ -33,7 +35,7 @@ from modules.reactor.diagram import (
 )
 from modules.reactor.meeting import ACTS, CONTINUE
 from modules.reactor.react import Encounter, encounter, outlook, utilities
-from modules.reactor.room import Room
+from modules.reactor.room import Room, rooms_of
 from modules.reactor.sides import Sides
 from modules.reactor.tables import (
     ROOMS_M,
@@ -45,14 +47,15 @@ from modules.reactor.tables import (
     collision_table,
     loss_table,
 )
-from modules.reactor.thing import LINE_PRIOR, LINES_M, SPEEDS_M_S, EchoModel
+from modules.reactor.thing import COLUMNS, LINE_PRIOR, LINES_M, SINGLE, SPEEDS_M_S, EchoModel
 from tests.reactor.things import born, line_at, reweighed, tracker_with, walker
 
 SETTINGS = Settings()
 DIAGRAM = compiled(SETTINGS)
 MIDDLE = len(SIDES_M) // 2
-SHAPE = (len(HEARD), TTC_CLASSES, len(LINES_M))
+SHAPE = (len(HEARD), TTC_CLASSES, COLUMNS)
 WIDEST = len(ROOMS_M) - 1
+MIRRORED = [*range(SINGLE)[::-1], *(SINGLE + k for k in (0, 2, 1, 4, 3))]
 
 
 def belief(heard: int, ttc: int, line: int, side: int = MIDDLE) -> Encounter:
@@ -68,6 +71,23 @@ def random_belief(seed: int, cells: int = 100) -> Encounter:
     table = np.zeros(int(np.prod(SHAPE)))
     table[rng.choice(len(table), cells, replace=False)] = rng.dirichlet(np.full(cells, 0.3))
     return Encounter(table.reshape(SHAPE), int(rng.integers(len(SIDES_M))), 0.0)
+
+
+def random_encounter(seed: int, cells: int) -> tuple[Encounter, str, tuple[int, int]]:
+    """A belief, what the robot does, and the classes of room left and right."""
+    rng = np.random.default_rng([seed, 3])
+    left, right = (int(room) for room in rng.integers(len(ROOMS_M), size=2))
+    return random_belief(seed, cells), ACTS[int(rng.integers(len(ACTS)))], (left, right)
+
+
+def as_room(classes: tuple[int, int]) -> Room:
+    return Room(*(float(ROOMS_M[k]) for k in classes))
+
+
+def compiled_answer(met: Encounter, doing: str, room: tuple[int, int]) -> NDArray[np.float64]:
+    """Expected utility of each act by the compiled diagram."""
+    seen = outlook(met, DIAGRAM, Sides(as_room(room), np.zeros(len(ACTS))))
+    return utilities([seen], ACTS.index(doing), DIAGRAM)
 
 
 def expected(
@@ -90,35 +110,66 @@ def place_class(ahead_m: float) -> int:
     return int(np.searchsorted(STANDS_EDGES_M, ahead_m, side="right")) - 1
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(12))
 def test_expected_utility_is_the_sum_over_the_whole_joint_table(seed: int) -> None:
-    met = random_belief(seed)
+    met, doing, room = random_encounter(seed, 100)
     what, intent = what_table(SETTINGS), intent_table(SETTINGS)
     severity, time = severity_table(SETTINGS), time_table(SETTINGS)
-    collision = collision_table(SETTINGS)[met.side, WIDEST]
-    by_hand = [0.0 if act == "continue" else -SETTINGS.change_s for act in ACTS]
+    rooms = rooms_of(as_room(room))
+    collision = collision_table(SETTINGS)[met.side]
+    by_hand = -change_table(SETTINGS)[ACTS.index(doing)]
     at = [tuple(cell) for cell in np.argwhere(met.heard > 0.0).tolist()]
     for a, w, i, (h, t, n), hit in product(
         range(len(ACTS)), range(len(WHAT)), range(len(INTENT)), at, range(2)
     ):
-        p_hit = collision[a, w, i, t, n]
+        p_hit = collision[rooms[a], a, w, i, t, n]
         joint = met.heard[h, t, n] * what[h, w] * intent[w, i] * (p_hit if hit else 1.0 - p_hit)
         by_hand[a] += joint * (-SETTINGS.collision * severity[a, w] * hit - time[a, w, i])
-    np.testing.assert_allclose(expected(met), by_hand, atol=1e-9)
+    np.testing.assert_allclose(compiled_answer(met, doing, room), by_hand, atol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(30))
 def test_pyagrum_solves_the_influence_diagram_alike(seed: int) -> None:
-    rng = np.random.default_rng([seed, 3])
-    met, doing = random_belief(seed, 6), ACTS[int(rng.integers(len(ACTS)))]
-    left, right = (int(room) for room in rng.integers(len(ROOMS_M), size=2))
-    diagram = declare(met.heard, met.side, (left, right), doing, SETTINGS)
-    room = Room(float(ROOMS_M[left]), float(ROOMS_M[right]))
-    seen = outlook(met, DIAGRAM, Sides(room, np.zeros(len(ACTS))))
-    found = utilities([seen], ACTS.index(doing), DIAGRAM)
-    solved = solve(diagram)
+    met, doing, room = random_encounter(seed, 6)
+    found = compiled_answer(met, doing, room)
+    solved = solve(declare(met.heard, met.side, room, doing, SETTINGS))
     assert solved.expected_utility == pytest.approx(float(found.max()), abs=1e-6)
     assert solved.act == ACTS[int(found.argmax())]
+
+
+def test_all_five_classes_and_both_intents_can_be() -> None:
+    reached = what_table(SETTINGS).max(axis=0)
+    assert dict(zip(WHAT, reached > 0.0, strict=True)) == dict.fromkeys(WHAT, True)
+    intents = intent_table(SETTINGS)
+    assert (intents[[DOOR_LEAF, PERSON]] > 0.0).all()
+    assert (intents[[ECHO, LEFT_OBJECT, CART], KEEPS_ON] == 1.0).all()
+    # what each is believed to be changes what is done about it
+    utilities_by_class = {
+        (collision_table(SETTINGS)[MIDDLE, WIDEST, :, w].sum(), time_table(SETTINGS)[:, w].sum())
+        for w in range(len(WHAT))
+    }
+    assert len(utilities_by_class) == len(WHAT)
+
+
+def test_what_a_change_of_mind_costs() -> None:
+    change = change_table(SETTINGS)
+
+    def costs(now: str, then: str) -> float:
+        return float(change[ACTS.index(now), ACTS.index(then)])
+
+    assert (np.diag(change) == 0.0).all()
+    for one, other in (("left", "right"), ("right", "left")):
+        assert costs(f"pull aside {one}", f"pull aside {other}") == SETTINGS.cross_s
+        assert costs(f"pass {one}", f"pull aside {other}") == SETTINGS.cross_s
+        assert costs(f"pass {one}", f"pass {other}") == SETTINGS.turn_back_s
+        assert costs(f"pass {one}", f"pull aside {one}") == SETTINGS.change_s
+    assert costs("continue", "slow") == costs("stop", "continue") == SETTINGS.change_s
+    assert costs("slow", "continue") == 0.0
+
+
+def test_to_drive_on_after_driving_slowly_is_no_change_of_mind() -> None:
+    beside = belief(STANDS, place_class(1.1), line_at(0.65))
+    assert best(beside, "slow") == "continue"
 
 
 def test_every_probability_of_the_diagram_is_one() -> None:
@@ -218,15 +269,15 @@ def test_who_comes_down_the_middle_makes_the_robot_pull_aside() -> None:
 
 def test_collision_probabilities_follow_from_the_geometry() -> None:
     table = collision_table(SETTINGS)
-    shape = (len(WHAT), len(INTENT), TTC_CLASSES, len(LINES_M))
+    shape = (len(WHAT), len(INTENT), TTC_CLASSES, COLUMNS)
     assert table.shape == (len(SIDES_M), len(ROOMS_M), len(ACTS), *shape)
     assert ((table >= 0.0) & (table <= 1.0)).all()
     assert (table[:, :, :, ECHO] == 0.0).all()  # a false echo hits nobody
     head_on = table[MIDDLE, WIDEST, CONTINUE, PERSON, KEEPS_ON]
     assert (head_on[:, line_at(0.0)] == 1.0).all()
-    assert (head_on[:, np.abs(LINES_M) > 0.5] == 0.0).all()
+    assert (head_on[:, :SINGLE][:, np.abs(LINES_M) > 0.5] == 0.0).all()
     against_a_wall = table[MIDDLE, WIDEST, CONTINUE, LEFT_OBJECT, KEEPS_ON]
-    assert (against_a_wall[:, np.abs(LINES_M) > 0.75] == 0.0).all()
+    assert (against_a_wall[:, :SINGLE][:, np.abs(LINES_M) > 0.75] == 0.0).all()
 
 
 @settings(max_examples=50, deadline=None)
@@ -272,7 +323,7 @@ def test_two_things_threaten_together() -> None:
 
 def test_left_and_right_are_alike_to_the_last_bit() -> None:
     table = collision_table(SETTINGS)
-    mirrored = np.ascontiguousarray(table[-1][:, [0, 1, 2, 4, 3, 6, 5, 7]][..., ::-1])
+    mirrored = np.ascontiguousarray(table[-1][:, [0, 1, 2, 4, 3, 6, 5, 7]][..., MIRRORED])
     assert table[0].tobytes() == mirrored.tobytes()
 
 

@@ -10,20 +10,20 @@ from bus.costs import CostModel
 from bus.facts import Facts
 from bus.messages import Attention, Departure, Ranges, ReactionDecision
 from bus.turns import Turn
+from modules.reactor.cone import USUAL
 from modules.reactor.meeting import ACTS
 from modules.reactor.process import Reactor, build
 from modules.reactor.settings import Settings
-from modules.reactor.track import FORWARD
-from modules.reactor.track_kernels import CONES
 from tests.reactor.things import NAN, echoes_of_disc, tracker_with, walker
 
 FACTS = Facts(2, 1, 0, 2, 0.085)
+SILENCE = [NAN] * len(USUAL.numbers)
 
 
 def hear(reactor: Reactor, time_s: float, echoes: list[float]) -> Turn:
     """One ping of which only the forward transducers heard anything."""
     mean = np.full(24, NAN)
-    mean[FORWARD] = echoes
+    mean[USUAL.numbers] = echoes
     sigma = 0.01 * np.nan_to_num(mean) + 0.01
     turn = Turn(0, CostModel("free"), ("sensor", 0))
     said = Ranges(0, round(time_s * 1e9), mean, sigma, np.ones(24), 0.085)
@@ -34,8 +34,8 @@ def hear(reactor: Reactor, time_s: float, echoes: list[float]) -> Turn:
 def walk_by(reactor: Reactor, left_m: float, begins_s: float = 10.0, quiet: int = 24) -> list[Turn]:
     """Somebody comes from 8 m ahead at 1.2 m/s and passes; then nothing is heard for so long."""
     ahead = [8.0 - 0.25 * 1.285 * k for k in range(26)]
-    heard = [echoes_of_disc(d, left_m) if d > 0.5 else [NAN] * CONES for d in ahead]
-    heard += [[NAN] * CONES] * quiet
+    heard = [echoes_of_disc(d, left_m) if d > 0.5 else SILENCE for d in ahead]
+    heard += [SILENCE] * quiet
     return [hear(reactor, begins_s + 0.25 * k, echoes) for k, echoes in enumerate(heard)]
 
 
@@ -75,7 +75,7 @@ def test_thinking_is_reported_as_work_whatever_comes_of_it() -> None:
     thought = [turn for turn in turns if dict(turn.works).get("reaction", 0) > 0]
     assert len(thought) > 10 * len(decisions(turns))
     assert all("reaction" in dict(turn.works) for turn in turns if decisions([turn]))
-    quiet = hear(build(FACTS, Settings(), 1), 1.0, [NAN] * CONES)
+    quiet = hear(build(FACTS, Settings(), 1), 1.0, SILENCE)
     assert [kind for kind, _ in quiet.works] == ["track"]
 
 

@@ -7,14 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 
+from bus.facts import Ring
 from modules.reactor.meeting import ACTS, Body
-from modules.reactor.openness import open_acts, sectors_m, walls_m
+from modules.reactor.openness import open_acts, sectors_of, walls_m
 from modules.reactor.room import Room, rooms_of
 from modules.reactor.sides import PINGS, beside
 from simworld.building import Building, build
 from simworld.sonar import SonarRing, true_ranges_m
 
 RING, BODY = SonarRing(), Body()
+SECTORS = sectors_of(Ring())
 
 
 @cache
@@ -28,21 +30,21 @@ def heard(
     """What a robot in the middle of a long corridor hears, without noise."""
     placed = [(15.0 + s, y, r) for s, y, r in things]
     found = true_ranges_m(RING, corridor(width_m), 15.0, lateral_m, 0.0, placed)
-    return sectors_m(np.where(np.isfinite(found), found, np.nan))
+    return SECTORS.free_m(np.where(np.isfinite(found), found, np.nan))
 
 
 @pytest.mark.parametrize("width_m", [1.2, 1.6, 2.0])
 @pytest.mark.parametrize("lateral_m", [-0.2, 0.0, 0.25])
 def test_walls_are_measured_as_far_as_they_are(width_m: float, lateral_m: float) -> None:
-    found = walls_m(heard(width_m, lateral_m))
+    found = walls_m(heard(width_m, lateral_m), SECTORS)
     assert found == pytest.approx((width_m / 2 - lateral_m, width_m / 2 + lateral_m), abs=0.01)
 
 
 def test_room_is_what_walls_leave_and_never_more_than_the_usual_distance() -> None:
     pings = [heard(1.6, 0.1)] * PINGS
-    room = beside(pings, 0.1, BODY).room
+    room = beside(pings, SECTORS, 0.1, BODY).room
     assert room == pytest.approx((0.53, 0.53), abs=0.01)  # 0.8 - 0.3 + 0.03
-    assert beside([heard(2.0, 0.0)], 0.0, BODY).room == (0.65, 0.65)
+    assert beside([heard(2.0, 0.0)], SECTORS, 0.0, BODY).room == (0.65, 0.65)
     assert room.for_act("pass left") == room.left_m
     assert Room(0.1, 0.5).for_act("pull aside right") == 0.5
 
@@ -55,7 +57,7 @@ def test_the_class_of_room_is_the_nearest() -> None:
 def open_ways(*things: tuple[float, float, float], lateral_m: float = 0.0) -> set[str]:
     """The acts that lead into the open."""
     goals = np.array([BODY.goes_to_m(act, lateral_m) for act in ACTS])
-    found = open_acts(heard(2.0, lateral_m, things), goals, lateral_m, BODY)
+    found = open_acts(heard(2.0, lateral_m, things), SECTORS, goals, lateral_m, BODY)
     return {act for act, free in zip(ACTS, found, strict=True) if free}
 
 
@@ -78,7 +80,12 @@ def test_one_missed_echo_opens_no_way_and_one_crossed_reading_closes_none() -> N
     blocked, free = heard(2.0, 0.0, ((0.8, 0.0, 0.25),)), heard(2.0, 0.0)
     act = ACTS.index("continue")
     missed = np.full_like(blocked, np.inf)
-    assert beside([blocked, missed, blocked], 0.0, BODY).open[act] == 0.0
+    assert beside([blocked, missed, blocked], SECTORS, 0.0, BODY).open[act] == 0.0
     crossed = np.full(24, np.nan)
     crossed[0] = 0.4
-    assert beside([free, np.minimum(free, sectors_m(crossed)), free], 0.0, BODY).open[act] == 1.0
+    assert (
+        beside([free, np.minimum(free, SECTORS.free_m(crossed)), free], SECTORS, 0.0, BODY).open[
+            act
+        ]
+        == 1.0
+    )

@@ -11,19 +11,27 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from modules.reactor import Scan, ScanError, Settings, Tracker, compiled, react, updated
+from modules.reactor.cone import USUAL
 from modules.reactor.thing import (
+    COLUMNS,
     DISTANCE,
-    FARTHEST_M,
     LINE_PRIOR,
     LINES_M,
+    PAIRED,
+    SINGLE,
     SPEEDS_M_S,
     STANDS_PRIOR,
     VARIANCE,
     EchoModel,
 )
-from modules.reactor.track import FORWARD
-from modules.reactor.track_kernels import CONES
-from tests.reactor.things import born, echoes_of_disc, listened, moved, reweighed
+from tests.reactor.things import (
+    born,
+    echoes_of_disc,
+    echoes_of_discs,
+    listened,
+    moved,
+    reweighed,
+)
 
 SETTINGS = Settings()
 DIAGRAM = compiled(SETTINGS)
@@ -34,7 +42,7 @@ DRIVE_M_S = 0.085
 def scan(time_s: float, *echoes: float, speed: float = 0.085) -> Scan:
     """A ping of which the first few of the forward transducers heard something."""
     ranges = np.full(24, np.nan)
-    ranges[FORWARD[: len(echoes)]] = echoes
+    ranges[USUAL.numbers[: len(echoes)]] = echoes
     return Scan(time_s, ranges, 0.01 * np.nan_to_num(ranges) + 0.01, speed)
 
 
@@ -177,6 +185,8 @@ def test_scans_must_follow_in_time() -> None:
         updated(tracker, scan(2.0, 5.0))
     with pytest.raises(ScanError, match="shapes"):
         Scan(1.0, np.zeros(24), np.zeros(23))
+    with pytest.raises(ScanError, match="found 16 ranges, expected 24"):
+        updated(tracker, Scan(3.0, np.zeros(16), np.zeros(16)))
 
 
 def test_one_step_is_bayes_rule_by_integration() -> None:
@@ -198,11 +208,11 @@ def test_one_step_is_bayes_rule_by_integration() -> None:
     for v in range(len(SPEEDS_M_S)):
         prior = normal(grid, thing.belief[DISTANCE, v, MIDDLE], thing.belief[VARIANCE, v, MIDDLE])
         likelihood = model.heard * normal(grid - 0.25, second, 0.066**2)
-        likelihood = likelihood + model.masked / FARTHEST_M
+        likelihood = likelihood + model.masked / USUAL.farthest_m
         joint = thing.weight[v, MIDDLE] * prior * likelihood
         evidence[v] = joint.sum() * step
         mean[v] = (joint * grid).sum() * step / evidence[v]
-    false = thing.false * model.stray / FARTHEST_M
+    false = thing.false * model.stray / USUAL.farthest_m
     total = evidence.sum() + false
     np.testing.assert_allclose(after.weight[:, MIDDLE], evidence / total, atol=1e-9)
     assert after.false == pytest.approx(false / total, abs=1e-9)
@@ -251,8 +261,10 @@ def test_line_prior_is_uniform_across_the_corridor() -> None:
     # 0.1 m of 1.5 m for the line from 0.3 to 0.4.
     assert LINE_PRIOR.sum() == pytest.approx(1.0)
     assert STANDS_PRIOR.sum() == pytest.approx(1.0)
-    assert (LINE_PRIOR[np.abs(LINES_M) > 0.75] == 0.0).all()
-    assert LINE_PRIOR[int(np.abs(LINES_M - 0.35).argmin())] == pytest.approx(0.1 / 1.5)
+    assert (LINE_PRIOR[:SINGLE][np.abs(LINES_M) > 0.75] == 0.0).all()
+    share = (1.0 - PAIRED) * 0.1 / 1.5
+    assert LINE_PRIOR[int(np.abs(LINES_M - 0.35).argmin())] == pytest.approx(share)
+    assert LINE_PRIOR[SINGLE:].sum() == pytest.approx(PAIRED)
     assert LINES_M[MIDDLE] == pytest.approx(0.0)
 
 
@@ -263,5 +275,37 @@ def test_what_has_become_impossible_is_not_worked_on_any_more() -> None:
         tracker = updated(tracker, scan(2.0 * k, 9.0 - 0.17 * k))
         cells.append(tracker.cells)
     assert tracker.things[0].standing > 0.99
-    assert max(cells) > CONES * len(SPEEDS_M_S) * len(LINES_M)
-    assert cells[-1] == CONES * (1 + len(LINES_M))  # one speed, nought
+    assert max(cells) > len(USUAL.numbers) * len(SPEEDS_M_S) * COLUMNS
+    assert cells[-1] == len(USUAL.numbers) * (1 + COLUMNS)  # one speed, nought
+
+
+def of_two(
+    time_s: float, ahead_m: float, left_m: float, right_m: float, further_m: float = 0.0
+) -> Scan:
+    """A ping of two who come abreast, the right one so much further behind."""
+    discs = ((ahead_m, left_m), (ahead_m + further_m, -right_m))
+    return scan(time_s, *echoes_of_discs(*discs))
+
+
+@pytest.mark.parametrize("further_m", [0.0, 0.2])
+@pytest.mark.parametrize(("left_m", "right_m"), [(0.6, 0.6), (0.55, 0.7)])
+def test_two_abreast_are_told_from_one_before_they_are_here(
+    left_m: float, right_m: float, further_m: float
+) -> None:
+    tracker = Tracker()
+    for k in range(20):
+        at = 8.0 - 0.25 * k * 1.385
+        tracker = updated(tracker, of_two(10.0 + 0.25 * k, at, left_m, right_m, further_m))
+        if at < 2.9:  # then the outer transducers hear one each
+            break
+    (pair,) = [thing for thing in tracker.things if thing.approaching > 0.5]
+    assert pair.weight[:, SINGLE:].sum() > 0.9
+    reaction = react(tracker, "continue", DIAGRAM)
+    assert reaction is not None and reaction.act == "continue"
+
+
+def test_one_is_not_taken_for_two_abreast() -> None:
+    for left_m in (0.0, 0.1, 0.2, 0.24, -0.4):
+        for seed in range(5):
+            thing = approach(1.3, left_m, 15, seed).things[0]
+            assert thing.weight[:, SINGLE:].sum() < 0.1

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from modules.reactor.cone import heard_in_cone
+from modules.reactor.cone import USUAL, Cones, heard_in_cone
 from modules.reactor.thing import (
-    FARTHEST_M,
     LINES_M,
     SHAPE,
     SPEEDS_M_S,
@@ -17,7 +16,7 @@ from modules.reactor.thing import (
 )
 from modules.reactor.thing_kernels import bear, listen, move
 from modules.reactor.track import Tracker
-from modules.reactor.track_kernels import CONES, NOTES, PINGS
+from modules.reactor.track_kernels import NOTES, PINGS
 
 NAN = float("nan")
 
@@ -27,7 +26,7 @@ def born(
 ) -> Thing:
     """A thing of which one cone heard one echo."""
     belief = np.empty(SHAPE)
-    false = bear(belief, cone, echo_m, sigma_m, lateral_m, model)
+    false = bear(belief, USUAL, cone, echo_m, sigma_m, lateral_m, model)
     return Thing(belief, false, first_s=time_s)
 
 
@@ -42,7 +41,7 @@ def listened(
 ) -> tuple[Thing, float]:
     """A thing after an echo, and how likely the echo was its own."""
     belief = thing.belief.copy()
-    false, share = listen(belief, thing.false, cone, echo_m, sigma_m, lateral_m, model)
+    false, share = listen(belief, thing.false, USUAL, cone, echo_m, sigma_m, lateral_m, model)
     return Thing(belief, false, thing.pings, thing.first_s), share
 
 
@@ -80,7 +79,15 @@ def tracker_with(thing: Thing, time_s: float = 1.0, stands_at_m: float = np.inf)
     )
 
 
-def echoes_of_disc(ahead_m: float, left_m: float) -> list[float]:
+def echoes_of_disc(ahead_m: float, left_m: float, cones: Cones = USUAL) -> list[float]:
     """What the forward cones hear of a disc of a person's size, NaN for nothing."""
-    heard = [heard_in_cone(ahead_m, left_m, 0.25, cone) for cone in range(CONES)]
-    return [range_m if h and range_m < FARTHEST_M else NAN for range_m, h in heard]
+    indices = range(len(cones.numbers))
+    heard = [heard_in_cone(ahead_m, left_m, 0.25, cones.edges, cone) for cone in indices]
+    return [range_m if h and range_m < cones.farthest_m else NAN for range_m, h in heard]
+
+
+def echoes_of_discs(*discs: tuple[float, float], cones: Cones = USUAL) -> list[float]:
+    """What they hear of several, so far ahead and left each."""
+    each = np.array([echoes_of_disc(ahead_m, left_m, cones) for ahead_m, left_m in discs])
+    nearest = np.where(np.isnan(each), np.inf, each).min(axis=0)
+    return [range_m if np.isfinite(range_m) else NAN for range_m in nearest.tolist()]
