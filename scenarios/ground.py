@@ -40,7 +40,13 @@ class Ground:
         """What the robot knows of it from the beginning."""
         grid = self.building.grid
         return Facts(
-            grid.columns, grid.rows, self.start, self.heading, self.speed_m_s, ring=self.ring
+            grid.columns,
+            grid.rows,
+            self.start,
+            self.heading,
+            self.speed_m_s,
+            corridor_width_m=self.building.corridor_width_m,
+            ring=self.ring,
         )
 
 

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
+from simworld.building import Building
+from simworld.crossing import crossing_m
 from simworld.keeping import Beside, in_the_middle, room_beside
 from simworld.motion import (
     Drive,
@@ -87,6 +89,10 @@ class Body:
     def in_the_middle(self, on_line: Pose) -> Pose:
         """A pose on a grid line, moved to the middle of the corridor there."""
         return in_the_middle(self._surroundings, on_line)
+
+    def crossing_m(self, building: Building, place: int) -> tuple[float, float]:
+        """Where the corridors of a junction meet, x and y."""
+        return crossing_m(self._surroundings, building, place)
 
     def room_m(self, on_line: Pose) -> Beside:
         """How far left and right of the middle of a corridor its walls let the robot be."""

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import simpy
 
-from bus.grid import OPPOSITE, STEP
+from bus.grid import EAST, OPPOSITE, STEP, WEST
 from bus.messages import (
     ActionEnded,
     Arrival,
@@ -84,7 +84,7 @@ class Robot:
     def live(self, place: int, heading: int, ahead_m: float) -> Steps:
         """Drive to the first LDP, ``ahead_m`` away, then on until there is nothing more to do."""
         self.place, self.heading = place, heading
-        begins = self._centre().after(-self._half_m - ahead_m)
+        begins = self._on_line().after(-self._half_m - ahead_m)
         self._body.place(begins, 0.0, 0.0)
         behind = self._corridor(place, OPPOSITE[heading])
         yield from self._go(Way(behind, begins, ahead_m), crossing_ns=0, turn_rad=0.0)
@@ -101,9 +101,18 @@ class Robot:
     def _half_m(self) -> float:
         return self._building.corridor_width_m / 2
 
-    def _centre(self) -> Pose:
+    def _port(self) -> Pose:
+        """The port of the junction that the robot comes to."""
+        x_m, y_m = self._body.crossing_m(self._building, self.place)
+        return Pose(x_m, y_m, HEADING_RAD[self.heading]).after(-self._half_m)
+
+    def _on_line(self) -> Pose:
+        """The junction's middle, moved sideways onto the grid line that the robot drives on."""
         x_m, y_m = self._building.position_m(*self._building.grid.place(self.place))
-        return Pose(x_m, y_m, HEADING_RAD[self.heading])
+        crossing_x_m, crossing_y_m = self._body.crossing_m(self._building, self.place)
+        if self.heading in (EAST, WEST):
+            return Pose(crossing_x_m, y_m, HEADING_RAD[self.heading])
+        return Pose(x_m, crossing_y_m, HEADING_RAD[self.heading])
 
     def _corridor(self, place: int, direction: int) -> int:
         return self._building.grid.corridor(*self._building.grid.place(place), direction)
@@ -114,11 +123,12 @@ class Robot:
         turn_rad = _turn_rad(self.heading, direction)
         crossing_ns = self._takes_ns(2 * self._half_m, turn_rad)
         self.heading = direction
-        begins = self._centre().after(self._half_m)
-        length_m = self._building.length_m(corridor) - 2 * self._half_m
+        begins = self._on_line().after(self._half_m)
         x, y = self._building.grid.place(self.place)
         dx, dy = STEP[direction]
         self.place = self._building.grid.intersection(x + dx, y + dy)
+        ends = self._on_line().after(-self._half_m)
+        length_m = abs(ends.x_m - begins.x_m) + abs(ends.y_m - begins.y_m)
         self.visit += 1
         yield from self._go(Way(corridor, begins, length_m), crossing_ns, turn_rad)
 
@@ -134,7 +144,7 @@ class Robot:
             yield self._env.timeout(crossing_ns)
             self._body.place(way.begins, 2 * self._half_m, turn_rad)
         yield from self._travel.along(way, self.visit)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        self._body.stop_at_port(self._port())
         self._senses.odometry()
         self._say(Arrival(self.visit, self.heading, (self._now_ns - began_ns) / 1e9))
         self._say_pose()
@@ -204,7 +214,7 @@ class Robot:
             else:
                 yield self._env.timeout(self._body.takes_ns(step))
                 self._body.step(step)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        self._body.stop_at_port(self._port())
         self._senses.odometry()
         self._say(ActionEnded(motion.action))
 
@@ -237,7 +247,7 @@ class Robot:
         self._say(Blocked(self.visit, direction))
         self._ask_path(self._now_ns + there_ns)
         yield self._env.timeout(there_ns)
-        self._body.stop_at_port(self._centre().after(-self._half_m))
+        self._body.stop_at_port(self._port())
 
 
 def _turn_rad(heading: int, direction: int) -> float:
