@@ -62,6 +62,49 @@ def launch(
 
 
 @app.command(
+    "replay-carmen",
+    epilog="Examples: `waywiser replay-carmen robot.log.gz --log robot.mcap`, then "
+    "`waywiser analyse robot.mcap` or a viewer; `waywiser replay-carmen robot.log --scenario "
+    "robot.toml --until 60`, then change robot.toml and launch it. "
+    "Exit status: 0 good, 1 it did not end, 2 bad input, 3 inconclusive.",
+)
+def replay_carmen(
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LOG",
+            help="A CARMEN log (.log, .log.gz) with FLASER and ODOM lines, poses corrected.",
+        ),
+    ],
+    in_process: Annotated[
+        bool, typer.Option("--in-process", help="Run everything in one process; same log.")
+    ] = False,
+    log: Annotated[
+        str | None, typer.Option(help="Where the log goes; default logs/runs/NAME-seedN-TIME.mcap.")
+    ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option(metavar="TOML", help="Also write the scenario that is run.")
+    ] = None,
+    until: Annotated[
+        float | None, typer.Option(metavar="S", help="Play back only so many seconds.")
+    ] = None,
+    door_stub: Annotated[
+        float,
+        typer.Option(metavar="M", help="Ways that lead nowhere are doors or rooms up to so far."),
+    ] = 10.0,
+    as_json: Json = False,
+) -> None:
+    """Play back what a real robot sensed: its scans as pings, its odometry, at the log's times.
+
+    The processes hear it as they hear the simulated robot; where it was is the truth of the log.
+    """
+    from scenarios.recorded import Asked, replay_carmen_command
+
+    asked = Asked(recording, scenario, until, door_stub)
+    raise typer.Exit(replay_carmen_command(asked, in_process, log, as_json))
+
+
+@app.command(
     epilog="Examples: `waywiser analyse logs/runs/aces-seed1-20260101-120000.mcap`; "
     "`waywiser analyse run.mcap --html run.html --perfetto run.pftrace`; "
     "`waywiser analyse a.mcap b.mcap --tables tables`. "

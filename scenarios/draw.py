@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from bus.facts import Facts
-from scenarios.ground import draw_ground, generator, junctions_of
+from bus.grid import LETTER
+from scenarios.ground import Ground, draw_ground, generator, junctions_of
 from scenarios.scenario import Scenario, ScenarioError
 from simworld.building import Building, BuildingError
+from simworld.carmen import CarmenError
 from simworld.encounters import Coming
 from simworld.errands import Errand
 from simworld.floor_plan import FloorPlanError, read_floor_plan
+from simworld.recording import Recording, record
 from simworld.registration import register
 from simworld.settings import (
     DoorSettings,
@@ -55,6 +58,7 @@ def _draw(scenario: Scenario) -> Drawn:
         heading=ground.heading,
         errands=_errands(scenario, building, rng),
         people=_coming(settings, building),
+        recording=_recording(settings, ground),
     )
     return Drawn(plan, ground.facts)
 
@@ -69,6 +73,25 @@ def _surroundings(scenario: Scenario, building: Building) -> Surroundings:
         return register(plan, settings.columns_m, settings.rows_m).plan
     except FloorPlanError as error:
         raise ScenarioError(f"world.floor_plan: {error}") from None
+
+
+def _recording(settings: WorldSettings, ground: Ground) -> Recording | None:
+    """A real robot's log on the building's grid lines, if one is to be played back."""
+    if settings.carmen is None:
+        return None
+    try:
+        recording = record(settings.carmen, ground.building)
+    except CarmenError as error:
+        raise ScenarioError(f"world.carmen: {error}") from None
+    grid, first = ground.building.grid, recording.stops[1:2]
+    for stop in first:
+        if (stop.place, stop.heading) != (ground.start, ground.heading):
+            raise ScenarioError(
+                f"world.start: found junction {list(grid.place(ground.start))}, heading "
+                f"{LETTER[ground.heading]}, expected {list(grid.place(stop.place))}, heading "
+                f"{LETTER[stop.heading]}, to which the robot of {settings.carmen} comes first"
+            )
+    return recording
 
 
 def _errands(

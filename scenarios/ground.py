@@ -46,6 +46,7 @@ class Ground:
             self.start,
             self.heading,
             self.speed_m_s,
+            corridor_width_m=self.building.corridor_width_m,
             ring=self.ring,
             wedges=self.wedges,
         )

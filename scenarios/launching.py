@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -36,8 +37,15 @@ def launch_command(
     as_json: bool,
 ) -> int:
     """Carry out ``waywiser launch``; returns the exit status."""
+    return launch(lambda: prepare(name, changes, seed), str(name), in_process, log, as_json)
+
+
+def launch(
+    make: Callable[[], Prepared], name: str, in_process: bool, log: str | None, as_json: bool
+) -> int:
+    """Make a scenario ready, run it, judge it and say how it went; returns the exit status."""
     try:
-        prepared = prepare(name, changes, seed)
+        prepared = make()
         with claimed_log(prepared, log) as path:
             launched = _run(prepared, path, in_process, as_json)
     except ScenarioError as error:

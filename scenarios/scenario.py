@@ -19,11 +19,16 @@ from bus.features import FEWEST, MOST, USUAL
 from bus.topics import MODULES
 from scenarios.explain import explained, one_of, out_of_range, shown
 from scenarios.modules import settings_type
+from simworld.laser_ring import TRANSDUCERS
 from simworld.settings import ErrandSettings, NotNegative, Positive, RandomErrands, WorldSettings
 
 SHIPPED = Path(__file__).parent
 FIRST_YEAR, LAST_YEAR = 1970, 2500
 """Time in a log is nanoseconds since 1970 in 64 bits; a run may take decades of them."""
+
+
+SIMULATED = ("floor_plan", "person", "door", "false_echo", "doorway", "clutter")
+"""Keys of [world] that mean nothing to a real robot's log."""
 
 
 class ScenarioError(ValueError):
@@ -187,9 +192,32 @@ def _contradictions(scenario: Scenario) -> Iterator[str]:
         )
     if scenario.errand and scenario.random_errands:
         yield "random_errands: found beside [[errand]], expected only one of the two"
+    yield from _not_recorded(scenario)
     for k, expect in enumerate(scenario.expect):
         if not any(getattr(expect, condition) is not None for condition in CONDITIONS):
             yield f"expect[{k}]: found no condition, expected one of {', '.join(CONDITIONS)}"
+
+
+def _not_recorded(scenario: Scenario) -> Iterator[str]:
+    """What cannot be had where a real robot's log is played back: it is as it was."""
+    if scenario.world.carmen is None:
+        return
+    beside = {
+        "errand": scenario.errand,
+        "random_errands": scenario.random_errands,
+        **{f"world.{key}": getattr(scenario.world, key) for key in SIMULATED},
+    }
+    for key, found in beside.items():
+        if found:
+            yield (
+                f"{key}: found beside world.carmen, expected none: where that robot went, and "
+                f"what it met, is in its log"
+            )
+    if scenario.world.sonar.transducers != TRANSDUCERS:
+        yield (
+            f"world.sonar.transducers: found {scenario.world.sonar.transducers}, expected "
+            f"{TRANSDUCERS} beside world.carmen: so many are made of a laser's scan"
+        )
 
 
 def _apply(table: dict[str, Any], change: str) -> None:

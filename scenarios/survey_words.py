@@ -11,7 +11,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from bus.grid import type_name
+from bus.grid import LETTER, type_name
+from simworld.settings import Place
 from simworld.survey import Junction, Survey
 
 NARROWEST_M, WIDEST_M = 1.5, 2.2
@@ -92,11 +93,14 @@ def scenario_text(survey: Survey, source: Path, plan: Path | None) -> str:
 
     ``source`` is what was surveyed, ``plan`` the map file that its echoes may come from.
     """
-    width_m = median(corridor.width_m for corridor in survey.corridors)
-    corridors = ",\n".join(
-        f"    [{_place(a)}, {_place(b)}]" for a, b in (c.ends for c in survey.corridors)
+    echoes = (
+        f"""\
+# Take this in to hear the echoes of the plan itself, instead of those of bare corridors:
+# floor_plan = {json.dumps(str(plan.resolve()))}
+"""
+        if plan
+        else ""
     )
-    echoes = f"# floor_plan = {json.dumps(str(plan.resolve()))}\n" if plan else ""
     return f"""\
 about = {json.dumps(f"A building surveyed from {source.name}")}
 seed = 1
@@ -106,6 +110,45 @@ epoch = 2026-01-01T00:00:00Z
 # {math.degrees(survey.turn_rad):+.2f} degrees to stand upright, corridors {_widths(survey)} m wide.
 # Places are [x, y] from the south-west. Correct here by hand what the survey took for a corridor,
 # or missed; all corridors must stay connected.
+{_world(survey)}{echoes}
+[random_errands]
+count = 6
+expected_again = 3.0
+
+[compute]
+profile = "host"
+"""
+
+
+def playback_text(survey: Survey, log: Path, start: tuple[Place, int] | None) -> str:
+    """A scenario file that plays back a CARMEN log in the building surveyed from it.
+
+    ``start`` is the junction that the recorded robot comes to first, and its heading.
+    """
+    first = (
+        f"start = {{ junction = {_place(start[0])}, heading = {json.dumps(LETTER[start[1]])} }}\n"
+        if start
+        else ""
+    )
+    return f"""\
+about = {json.dumps(f"What a real robot sensed, from {log.name}")}
+seed = 1
+epoch = 2026-01-01T00:00:00Z
+
+{_world(survey)}{first}carmen = {json.dumps(str(log.resolve()))}
+
+[compute]
+profile = "host"
+"""
+
+
+def _world(survey: Survey) -> str:
+    """The table of the building, open at its end for more keys."""
+    width_m = median(corridor.width_m for corridor in survey.corridors)
+    corridors = ",\n".join(
+        f"    [{_place(a)}, {_place(b)}]" for a, b in (c.ends for c in survey.corridors)
+    )
+    return f"""\
 [world]
 columns_m = [{_metres(survey.columns_m)}]
 rows_m = [{_metres(survey.rows_m)}]
@@ -113,14 +156,6 @@ corridors = [
 {corridors},
 ]
 corridor_width_m = {min(max(width_m, NARROWEST_M), WIDEST_M):.1f}
-# Take this in to hear the echoes of the plan itself, instead of those of bare corridors:
-{echoes}
-[random_errands]
-count = 6
-expected_again = 3.0
-
-[compute]
-profile = "host"
 """
 
 

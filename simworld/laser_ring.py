@@ -48,6 +48,16 @@ def ring_readings(
     return ranges_m, seen
 
 
+def ring_of_scan(scan: Scan) -> NDArray[np.float64]:
+    """What a ring in the place of the laser, facing as it does, hears of one scan.
+
+    Ranges (transducers,) in metres; nan where nothing is heard within ``FARTHEST_M``, and from
+    behind, where the laser does not look.
+    """
+    ranges_m, seen = _cones(scan, scan.x_m, scan.y_m, scan.heading_rad)
+    return np.where(seen, ranges_m, np.nan)
+
+
 def _off_m(scan: Scan, x_m: float, y_m: float) -> float:
     return math.hypot(scan.x_m - x_m, scan.y_m - y_m)
 

@@ -29,6 +29,10 @@ FINEST_M = 0.02
 """Shifts are refined to this."""
 
 
+AS_GOOD_M = 0.05
+"""Less mean clearance than this, by coarse shifts, does not tell one turn from another."""
+
+
 @dataclass(frozen=True)
 class Registration:
     """How a plan lies on grid lines: see :func:`register`.
@@ -49,7 +53,8 @@ def register(plan: FloorPlan, columns_m: Sequence[float], rows_m: Sequence[float
     ``columns_m``, ``rows_m`` are the grid's lines as in :func:`simworld.building.build`. Tried
     are the four turns that make the walls upright, with every shift that keeps the grid inside
     the plan; the best has the greatest mean clearance along the lines, counted up to
-    ``ENOUGH_CLEARANCE_M``. It is then refined in turn and shift.
+    ``ENOUGH_CLEARANCE_M``; of those as good, as in a symmetric building, it is the least turned.
+    It is then refined in turn and shift.
 
     Raises FloorPlanError where the grid is larger than the plan however it is turned.
     """
@@ -63,7 +68,7 @@ def register(plan: FloorPlan, columns_m: Sequence[float], rows_m: Sequence[float
             f"found a plan of {columns} by {rows} cells of {plan.cells.resolution_m} m, "
             f"expected one large enough for columns {list(columns_m)} and rows {list(rows_m)}"
         )
-    best = _refined(max(fitting, key=lambda found: _score(found, points)), points)
+    best = _refined(_least_turned(plan, fitting, points), points)
     turn_rad = math.remainder(best.turn_rad - plan.turn_rad, 2.0 * math.pi)
     turned_x, turned_y = plan.moved(turn_rad).origin_m
     return Registration(
@@ -89,6 +94,21 @@ def _score(plan: FloorPlan, points: NDArray[np.float64]) -> float:
     """Mean clearance at the points, counted up to enough."""
     clearance = plan.clearance_m(points[:, 0], points[:, 1])
     return float(np.minimum(clearance, ENOUGH_CLEARANCE_M).mean())
+
+
+def _least_turned(
+    plan: FloorPlan, fitting: Sequence[FloorPlan], points: NDArray[np.float64]
+) -> FloorPlan:
+    """The best, or of those that are as good the least turned: a building may be symmetric."""
+    scores = [_score(found, points) for found in fitting]
+    good = [
+        found
+        for found, score in zip(fitting, scores, strict=True)
+        if score >= max(scores) - AS_GOOD_M
+    ]
+    return min(
+        good, key=lambda found: abs(math.remainder(found.turn_rad - plan.turn_rad, math.tau))
+    )
 
 
 def _best_shift(plan: FloorPlan, points: NDArray[np.float64]) -> FloorPlan | None:

@@ -155,13 +155,18 @@ class RandomErrands(_Settings, frozen=True):
 
 
 class WorldSettings(_Settings, frozen=True):
-    """The [world] table."""
+    """The [world] table.
+
+    ``floor_plan`` is a map whose echoes are heard in place of those of bare corridors; ``carmen``
+    the log of a real robot, played back in place of a simulated day (:mod:`simworld.playback`).
+    """
 
     columns_m: tuple[float, ...]
     rows_m: tuple[float, ...]
     corridors: Literal["all"] | tuple[tuple[Place, Place], ...] | RandomCorridors = "all"
     corridor_width_m: Positive = 2.0
     floor_plan: str | None = None
+    carmen: str | None = None
     speed_m_s: Annotated[float, msgspec.Meta(ge=1e-3, le=10)] = 0.085
     start: Start | Literal["anywhere"] = "anywhere"
     ping_period_s: Annotated[float, msgspec.Meta(ge=0.01, le=3600)] = 2.0

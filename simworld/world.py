@@ -30,6 +30,8 @@ from simworld.deadlines import Deadlines
 from simworld.encounters import Coming, Encounters
 from simworld.errands import Errand, ErrandQueue
 from simworld.people import Body as CorridorBody
+from simworld.recorded_robot import RecordedRobot
+from simworld.recording import Recording
 from simworld.robot import Robot
 from simworld.settings import WorldSettings, ring_of
 from simworld.sonar import Surroundings
@@ -41,7 +43,10 @@ DIRECTION = {"N": NORTH, "E": EAST, "S": SOUTH, "W": WEST}
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A world as it was drawn: what a seed makes of a scenario."""
+    """A world as it was drawn: what a seed makes of a scenario.
+
+    ``recording``, if there is one, is played back in place of the robot's day.
+    """
 
     settings: WorldSettings
     building: Building
@@ -50,6 +55,7 @@ class Plan:
     heading: int
     errands: tuple[Errand, ...]
     people: tuple[Coming, ...]
+    recording: Recording | None = None
 
 
 class World:
@@ -137,10 +143,24 @@ class World:
         limit.callbacks.append(lambda _: self.end("time"))
 
     def _day(self) -> Any:
-        start = self._plan.settings.start
-        ahead_m = 5.0 if start == "anywhere" else start.ahead_m
-        yield from self.robot.live(self._plan.start, self._plan.heading, ahead_m)
+        if self._plan.recording is None:
+            start = self._plan.settings.start
+            ahead_m = 5.0 if start == "anywhere" else start.ahead_m
+            yield from self.robot.live(self._plan.start, self._plan.heading, ahead_m)
+        else:
+            yield from self._recorded(self._plan.recording).live()
         self.end("done")
+
+    def _recorded(self, recording: Recording) -> RecordedRobot:
+        return RecordedRobot(
+            self._env,
+            recording,
+            self._plan.building,
+            ring_of(self._plan.settings.sonar),
+            self.deadlines,
+            self._speaker,
+            self._mail,
+        )
 
     def end(self, reason: str) -> None:
         """The run ends now, for this reason; only the first counts."""
