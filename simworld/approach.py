@@ -122,7 +122,8 @@ class _Looking:
             self.through or self.expected.off_m(ended_m) <= SURE * self.expected.sigma_m
         ):
             return ended_m, "wall ends"
-        end_m = end_at_m(self.way_m, self.ahead_m)
+        # The end of a wall tells it better than a wall ahead, and may come as late as anything.
+        end_m = end_at_m(self.way_m, self.ahead_m) if self.through else None
         if end_m is None:
             return None
         # The junction's far side is as far from its port as the corridor is wide.

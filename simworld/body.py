@@ -43,8 +43,9 @@ FOLLOWS_SIGMA_RAD = math.radians(2.0)
 """How far beside the middle of a corridor, and how askew, the robot drives (assumptions)."""
 
 COUNT_SHARE = 0.01
-COUNT_M = 0.05
-"""What the robot thinks that its wheels miscount a corridor by: a share of it, and at the ends."""
+OFF_LINE_M = 0.15
+"""What the robot thinks that a port may be off the place that it expects: its wheels miscount a
+share of the corridor, and junctions lie beside the lines of the grid (assumptions)."""
 
 SLIP_SHARE = 0.01
 """How far a step misses what was commanded (assumption: wheels slip by 1 %)."""
@@ -88,7 +89,7 @@ class Body:
         It has counted ``driven_m`` since it was last sure of its place; corridors are
         ``width_m`` wide. Nobody is about so near to a junction.
         """
-        sigma_m = COUNT_M + COUNT_SHARE * driven_m
+        sigma_m = math.hypot(OFF_LINE_M, COUNT_SHARE * driven_m)
         way_m = min(LOOKS_FROM_M + GATE * sigma_m, driven_m)
         counted_m, _ = self._odometer.read(driven_m, 0.0, self._rng)
         beside, askew = self._rng.standard_normal(2)

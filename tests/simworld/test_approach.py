@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from bus.grid import EAST, JUNCTION_TYPES, WEST, Grid
-from scenarios.calibrate_detectors import junction
+from scenarios.trial_junction import junction
 from simworld.approach import Stop
-from simworld.body import COUNT_M, COUNT_SHARE, Body
+from simworld.body import COUNT_SHARE, OFF_LINE_M, Body
 from simworld.fittings import Doorway, fitted
 from simworld.motion import Pose
 from simworld.sonar import SonarRing
@@ -50,7 +50,7 @@ def test_it_goes_by_its_wheels_where_no_wall_changes() -> None:
     stops = [stopped(STRAIGHT, seed) for seed in range(25)]
     assert {stop.by for stop in stops} == {"wheels"}
     errors_m = np.array([stop.pose.x_m for stop in stops])
-    sigma_m = COUNT_M + COUNT_SHARE * DRIVEN_M
+    sigma_m = math.hypot(OFF_LINE_M, COUNT_SHARE * DRIVEN_M)
     assert 0.05 < errors_m.std() < sigma_m
     assert all(stop.beyond_m > 2 * sigma_m for stop in stops), "it looked for longer, in vain"
 
