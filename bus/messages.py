@@ -129,7 +129,7 @@ class Reading(Message, frozen=True):
     wedge: int
     probability: float
     evidence: int
-    wedges: int = 8
+    wedges: int
 
 
 class JunctionPrior(Message, frozen=True):

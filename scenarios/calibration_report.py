@@ -48,11 +48,17 @@ class DetectorRow:
 
 
 def curve(tally: Tally) -> list[CurvePoint]:
-    """The calibration curve of each feature, over its detectors; empty bins are left out."""
+    """The calibration curve of each feature; empty bins are left out.
+
+    Over those of its detectors whose feature was there in some trials and not in others: what
+    never varies calibrates nothing.
+    """
     from scipy.special import betaincinv  # here, since most commands do without
 
     points = []
-    for f, sums in enumerate(tally.binned.sum(axis=1)):
+    of_x = tally.counts.sum(axis=3)
+    varying = (of_x > 0).all(axis=2)
+    for f, sums in enumerate((tally.binned * varying[..., None, None]).sum(axis=1)):
         for found in sums[sums[:, TRIALS] > 0]:
             n, held = found[TRIALS], found[HELD]
             low, high = betaincinv(held + 0.5, n - held + 0.5, [0.025, 0.975])

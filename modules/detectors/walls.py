@@ -58,19 +58,32 @@ MOST_DOORWAY_NATS = 4.0
 
 @dataclass(frozen=True)
 class Wall:
-    """The wall that fits best: its distance, the share of its cones that answered, what is left.
+    """The wall that fits best: its distance, the shares of its cones that answered, what is left.
 
-    ``range_m`` and ``residual_m`` are nan where too few answered to tell.
+    ``shares`` are those of each heading; ``range_m`` and ``residual_m`` are nan where too few
+    answered to tell.
     """
 
     range_m: float
-    share: float
+    shares: tuple[float, ...]
     residual_m: float
 
     @property
+    def share(self) -> float:
+        """The share of the heading at which the fewest cones answered."""
+        return min(self.shares)
+
+    @property
     def probability(self) -> float:
-        """P(wall|echoes), even odds before."""
-        return _chance(MOST_NATS * (self.share - EVEN_SHARE) / SURE_SHARE, MOST_NATS)
+        """P(wall|echoes), even odds before.
+
+        Somebody may have stood before an opening or a wall during a part of the sweep. So the
+        heading at which the fewest cones answered counts, and that in the middle: where they
+        disagree, nothing is sure.
+        """
+        shares = (self.share, float(np.median(self.shares)))
+        nats = [MOST_NATS * (share - EVEN_SHARE) / SURE_SHARE for share in shares]
+        return _chance(sum(min(MOST_NATS, max(-MOST_NATS, n)) for n in nats) / 2)
 
     @property
     def doorway(self) -> float:
@@ -79,7 +92,8 @@ class Wall:
             return 0.5
         by_residual, by_silence = DOORWAY_NATS
         nats = by_residual * math.log(max(self.residual_m, LEAST_M) / PLAIN_M)
-        return _chance(nats + by_silence * (1 - self.share), MOST_DOORWAY_NATS)
+        nats += by_silence * (1 - self.share)
+        return _chance(min(MOST_DOORWAY_NATS, max(-MOST_DOORWAY_NATS, nats)))
 
 
 class Look(NamedTuple):
@@ -111,17 +125,16 @@ def fit_wall(
 ) -> Wall:
     """The wall whose normal should be at a bearing, half a corridor's width away.
 
-    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers). Somebody may have
-    stood about during a part of the pings: the share is that of the heading at which the fewest
-    cones answered, the residual the median over the headings.
+    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers). The residual is
+    the median over the headings, since somebody may have stood about at some of them.
     """
     off_rad = np.remainder(bearings_rad - normal_rad + math.pi, 2 * math.pi) - math.pi
     looks = list(_looks(ranges_m, off_rad, RANGES[0] * half_m, RANGES[1] * half_m))
-    share = min(look.share for look in looks)
+    shares = tuple(look.share for look in looks)
     found_m, at_rad = (np.concatenate([look[k] for look in looks]) for k in (0, 1))
     heard = np.isfinite(found_m)
     if heard.sum() < FEWEST:
-        return Wall(math.nan, share, math.nan)
+        return Wall(math.nan, shares, math.nan)
     fitted = least_squares(
         _left_over,
         [float(np.median(found_m[heard])), 0.0],
@@ -134,7 +147,7 @@ def fit_wall(
     left_m = [
         look.residual_m(range_m, askew_rad) for look in looks if np.isfinite(look.found_m).any()
     ]
-    return Wall(range_m, share, float(np.median(left_m)))
+    return Wall(range_m, shares, float(np.median(left_m)))
 
 
 def _left_over(
@@ -170,5 +183,5 @@ def _medians(ranges_m: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(2 * heard > len(ranges_m), (low + high) / 2, np.nan)
 
 
-def _chance(nats: float, most: float) -> float:
-    return 1.0 / (1.0 + math.exp(-min(most, max(-most, nats))))
+def _chance(nats: float) -> float:
+    return 1.0 / (1.0 + math.exp(-nats))

@@ -68,15 +68,15 @@ def test_a_way_that_ends_at_a_wall_is_told_so() -> None:
 def test_a_sensing_decision_is_told_by_the_outcome_that_came() -> None:
     worth_s = np.array([1250.4, 0.0])
     said = m.SensingDecision(5, 1, 3, np.array([8, -1]), np.array([0, 7]), worth_s, 2)
-    first = m.Reading(1, 3, 0, 2, 0.1, 0)
-    second = m.Reading(1, 4, 2, 6, 0.1, 0)
+    first = m.Reading(1, 3, 0, 2, 0.1, 0, 8)
+    second = m.Reading(1, 4, 2, 6, 0.1, 0, 8)
     motion = m.Motion(1, 3, 4, 8, np.zeros((0, 2)))
     sensing = entry(5, "sensing", 0, 30, 20)
     assert _story(said, first).tell(sensing).words == "tested detector 8, worth 1,250 s"
     assert _story(said, first, motion, second).tell(sensing).words == (
         "tested feature 2 in wedge 6, worth 1,250 s"
     )
-    sure = m.Reading(1, 3, 0, 2, 0.9, 1)
+    sure = m.Reading(1, 3, 0, 2, 0.9, 1, 8)
     assert _story(said, sure).tell(sensing).words == "enough is known: a NES junction"
     assert _story(said).tell(sensing).words == "what to test next, for every outcome; none came"
 

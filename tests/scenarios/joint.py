@@ -28,15 +28,16 @@ from bus.messages import (
 from bus.wire import Sent
 
 Floats = NDArray[np.float64]
-OPENING, FLAT_WALL, CONVEX_CORNER = range(3)
+OPENING, FLAT_WALL, CONVEX_CORNER, CONCAVE_CORNER, DOOR_JAMB = range(5)
+DOORS = 0.2
 
 
-def shows(feature: int, wedge: int, junction: int, heading: int) -> bool:
-    """X(J): whether a junction entered by a heading shows a feature in a wedge (paper, Fig. 3).
+def shows(feature: int, wedge: int, junction: int, heading: int) -> float:
+    """Pr(X|J): whether a junction entered by a heading shows a feature in a wedge (paper, Fig. 3).
 
     Wedge 0 is ahead, then counter-clockwise every 45 degrees: 1 and 7 look at the middle of
     the sides (corners: at the far ones), 2 and 6 at the near corners, 3 to 5 at the corridor
-    the robot stands in.
+    the robot stands in. In a wall to the side there may be a door.
     """
     ahead = bool(junction & heading)
     side = bool(junction & (LEFT_OF if wedge < 4 else RIGHT_OF)[heading])
@@ -44,6 +45,10 @@ def shows(feature: int, wedge: int, junction: int, heading: int) -> bool:
         return {0: ahead, 1: side, 7: side, 4: True}.get(wedge, False)
     if feature == FLAT_WALL:
         return {0: not ahead, 3: True, 4: False, 5: True}.get(wedge, not side)
+    if feature == CONCAVE_CORNER:
+        return wedge in (1, 7) and not side and not ahead
+    if feature == DOOR_JAMB:
+        return DOORS * {1: not side, 7: not side, 3: True, 5: True}.get(wedge, False)
     return {2: side, 6: side, 1: side and ahead, 7: side and ahead}.get(wedge, False)
 
 
@@ -73,9 +78,10 @@ class Joint:
 
     def reading(self, place: int, heading: int, said: Reading) -> None:
         """A detector found something at a place entered by a heading."""
+        absent, there = self.sensor[said.feature, said.wedge, :, said.evidence]
         of_type = [
-            self.sensor[said.feature, said.wedge, int(x), said.evidence]
-            for x in (shows(said.feature, said.wedge, j, heading) for j in range(16))
+            (1.0 - chance) * absent + chance * there
+            for chance in (shows(said.feature, said.wedge, j, heading) for j in range(16))
         ]
         self.weight = self.weight * np.array(of_type)[bits_at(self.maps, self.grid, place)]
 
@@ -181,7 +187,7 @@ class Walk:
     def _count_if_wrong(self, said: Reading) -> None:
         assert self.truth is not None
         junction = int(bits_at(self.truth[None], self.joint.grid, self.place)[0])
-        holds = shows(said.feature, said.wedge, junction, self.heading)
+        holds = shows(said.feature, said.wedge, junction, self.heading) == 1.0  # no doors here
         self.errors += holds != (said.evidence >= 2)
 
 

@@ -41,7 +41,7 @@ def test_writes_model_and_report(tmp_path: Path) -> None:
     model = load_sensor_model(out)
     assert model.made_by == report["made_by"]
     assert (model.counts.sum(axis=(2, 3)) == 20).all()
-    assert len(report["detectors"]) == 24
+    assert len(report["detectors"]) == 40
     assert 0.0 <= report["brier"] < 0.05
     for row in report["detectors"]:
         assert row["brier"] <= 1.0 - row["right"] + 0.25
@@ -49,10 +49,11 @@ def test_writes_model_and_report(tmp_path: Path) -> None:
     for point in report["curve"]:
         n = point["findings"]
         assert point["low"] <= (n * point["held"] + 0.5) / (n + 1) <= point["high"]
-    assert sum(point["findings"] for point in report["curve"]) == 20 * 24
+    varies = sum(0.0 < row["present"] < 1.0 for row in report["detectors"])
+    assert sum(point["findings"] for point in report["curve"]) == 20 * varies
     tags = Tags()
     tags.feed(html.read_text())
-    assert tags.count["svg"] == 3
+    assert tags.count["svg"] == 5
     assert tags.count["circle"] == len(report["curve"])
     assert not (tmp_path / "model.json.part").exists()
 
@@ -85,6 +86,7 @@ def test_another_ring_makes_another_model(tmp_path: Path) -> None:
             "world.sonar.transducers: found 0",
         ),
         (["--scenario", "aces", "--set", "world.sonar.nearest_m=20"], "nearest_m less than"),
+        (["--wedges", "3"], "wedges: found 3, expected 4 to 360"),
         (["--html", "/nowhere/report.html"], "--html /nowhere/report.html: found no such folder"),
     ],
 )
@@ -94,6 +96,19 @@ def test_refuses_before_the_first_trial(tmp_path: Path, arguments: list[str], sa
     assert (status, said) == (2, "")
     assert says in errors
     assert list(tmp_path.iterdir()) == []
+
+
+def test_other_wedges_make_another_model_but_never_the_shipped_one(tmp_path: Path) -> None:
+    out = tmp_path / "twelve.json"
+    assert calibrate("--trials", "2", "--out", str(out), "--wedges", "12")[0] == 0
+    assert load_sensor_model(out).made_by.endswith("--trials 2 --seed 1 --wedges 12")
+    assert load_sensor_model(out, expected_wedges=12).wedges.count == 12
+    of_scenario = ("--scenario", "aces", "--set", "sensing.wedges=16")
+    assert calibrate("--trials", "1", "--out", str(out), *of_scenario)[0] == 0
+    assert load_sensor_model(out).wedges.count == 16
+    status, _, errors = calibrate("--trials", "2", "--wedges", "12")
+    assert status == 2
+    assert "--wedges 12: found no --out" in errors
 
 
 def test_refuses_a_folder_and_the_kept_part_of_another_calibration(tmp_path: Path) -> None:
