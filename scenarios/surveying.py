@@ -16,6 +16,7 @@ from simworld.floor_plan import FloorPlan, FloorPlanError, read_floor_plan
 from simworld.occupancy import plan_of_log, write_floor_plan
 from simworld.survey import Survey, SurveyError, read_doors, survey
 
+IMAGE_SUFFIXES = (".pgm", ".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif")
 MAP_SUFFIXES = (".yaml", ".yml")
 
 
@@ -60,6 +61,11 @@ def map_command(
 
 
 def _plan(source: Path) -> FloorPlan:
+    if source.suffix.lower() in IMAGE_SUFFIXES:
+        raise FloorPlanError(
+            f"{source}: found an image, expected the YAML file of a ROS map that names it (image, "
+            f"resolution, origin, negate, occupied_thresh, free_thresh), or a CARMEN log"
+        )
     return read_floor_plan(source) if source.suffix in MAP_SUFFIXES else plan_of_log(source)
 
 
