@@ -163,11 +163,20 @@ def test_bad_doors_are_bad_input(
     assert says in said.err
 
 
-@pytest.mark.parametrize("option", ["--picture", "--scenario", "--plan"])
-def test_what_cannot_be_written_is_bad_input(building: Path, option: str) -> None:
-    said = waywiser("map", str(building), option, str(building / "nowhere" / "file.yaml"))
+@pytest.mark.parametrize(
+    ("option", "name"), [("--picture", "file.svg"), ("--scenario", "x.toml"), ("--plan", "x.yaml")]
+)
+def test_what_cannot_be_written_is_bad_input(building: Path, option: str, name: str) -> None:
+    said = waywiser("map", str(building), option, str(building / "nowhere" / name))
     assert said.status == 2
     assert "cannot be written" in said.err
+
+
+def test_a_picture_of_another_kind_is_refused(building: Path, tmp_path: Path) -> None:
+    said = waywiser("map", str(building), "--picture", str(tmp_path / "found.png"))
+    assert said.status == 2
+    assert "found.png: found .png, expected .svg" in said.err
+    assert not (tmp_path / "found.png").exists()
 
 
 def test_a_cut_log_and_a_bad_door_stub_are_bad_input(building: Path, tmp_path: Path) -> None:
