@@ -1,6 +1,7 @@
 """Whole runs of the robot among the echoes of real buildings: whether it learns the true map.
 
-    python -m benchmarks.floor_plans [--maps NAME...] [--seeds A:B] [--errands N] [--folder DIR]
+    python -m benchmarks.floor_plans [--maps NAME...] [--robots reacts-to-nothing reacts]
+        [--seeds A:B] [--errands N] [--folder DIR]
 
 Surveys each floor plan as ``waywiser map`` does, makes the scenario of it, and runs that with the
 plan's own echoes: once with a robot that reacts to nothing, which shows the perception, once with
@@ -111,6 +112,8 @@ def _wrong(days: Sequence[Day]) -> str:
     return "; ".join(f"{list(a)}-{list(b)} {n}" for (a, b), n in sorted(counted.items())) or "none"
 
 
+ROBOTS = {"reacts-to-nothing": unmoved, "reacts": build_module}
+
 ROWS = (
     "all errands done",
     "true map most probable at the end",
@@ -127,6 +130,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--maps", nargs="+", choices=sorted(MAPS), default=list(MAPS))
     parser.add_argument("--seeds", default="1:20", help="first and last, inclusive")
+    parser.add_argument("--robots", nargs="+", choices=list(ROBOTS), default=list(ROBOTS))
     parser.add_argument("--errands", type=int, default=12, help="errands of a run")
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where the maps are")
     given = parser.parse_args()
@@ -137,9 +141,9 @@ def main() -> None:
     with ProcessPoolExecutor() as pool:
         for name in given.maps:
             text = surveyed(given.folder / MAPS[name])
-            for how, build in (("reacts to nothing", unmoved), ("reacts", build_module)):
+            for how in given.robots:
                 table.add_column(f"{name}, {how}")
-                run = partial(day, text, given.errands, build)
+                run = partial(day, text, given.errands, ROBOTS[how])
                 columns.append(column(list(pool.map(run, range(first, last + 1))), given.errands))
     for row in zip(*columns, strict=True):
         table.add_row(*row)

@@ -15,6 +15,10 @@ from bus.grid import LETTER, type_name
 from simworld.settings import Place
 from simworld.survey import Junction, Survey
 
+OFF_GRID_M = 1.5
+"""A junction further from its grid lines than this, a corridor's width, is worth a warning: what is
+one line here may be two corridors."""
+
 NARROWEST_M, WIDEST_M = 1.5, 2.2
 """The robot's detectors are made for corridors of about these widths (paper, section 2: 1.5 to
 2 m); a scenario's corridors all have one width."""
@@ -54,6 +58,15 @@ def say_survey(survey: Survey, console: Console) -> None:
     console.print(f"rows    at y = {_metres(survey.rows_m)} m", soft_wrap=True)
     console.print(_junction_table(survey))
     console.print(_corridor_table(survey))
+    off = [junction for junction in survey.junctions if (junction.off_m or 0.0) > OFF_GRID_M]
+    if off:
+        console.print(
+            f"off the grid: {', '.join(_place(j.place) for j in off)} lie more than {OFF_GRID_M:g} "
+            f"m from where their lines cross. The building is no clean grid, or open rooms were "
+            f"taken for corridors: look at --picture, close doors (--doors), try --door-stub",
+            soft_wrap=True,
+            markup=False,
+        )
     for what in survey.left_out:
         console.print(f"left out: {what}", soft_wrap=True, markup=False)
 

@@ -16,6 +16,7 @@ from simworld.floor_plan import FloorPlan, FloorPlanError, read_floor_plan
 from simworld.occupancy import plan_of_log, write_floor_plan
 from simworld.survey import Survey, SurveyError, read_doors, survey
 
+IMAGE_SUFFIXES = (".pgm", ".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif")
 MAP_SUFFIXES = (".yaml", ".yml")
 
 
@@ -41,7 +42,7 @@ def map_command(
             found = _survey(source, plan, door_stub_m, doors)
         map_file = source if source.suffix in MAP_SUFFIXES else plan_file
         if picture is not None:
-            _write(picture, survey_svg(found))
+            _write_picture(picture, found)
         if scenario is not None:
             _write(scenario, scenario_text(found, source, map_file))
     except (FloorPlanError, SurveyError, CarmenError, _WriteError) as error:
@@ -60,6 +61,11 @@ def map_command(
 
 
 def _plan(source: Path) -> FloorPlan:
+    if source.suffix.lower() in IMAGE_SUFFIXES:
+        raise FloorPlanError(
+            f"{source}: found an image, expected the YAML file of a ROS map that names it (image, "
+            f"resolution, origin, negate, occupied_thresh, free_thresh), or a CARMEN log"
+        )
     return read_floor_plan(source) if source.suffix in MAP_SUFFIXES else plan_of_log(source)
 
 
@@ -69,6 +75,12 @@ def _survey(source: Path, plan: FloorPlan, door_stub_m: float, doors: Path | Non
         return survey(plan, door_stub_m, closed)
     except SurveyError as error:
         raise SurveyError(f"{source}: {error}") from None
+
+
+def _write_picture(path: Path, found: Survey) -> None:
+    if path.suffix.lower() != ".svg":
+        raise _WriteError(f"--picture {path}: found {path.suffix or 'no suffix'}, expected .svg")
+    _write(path, survey_svg(found))
 
 
 def _write_plan(plan: FloorPlan, path: Path) -> None:

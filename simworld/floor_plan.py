@@ -26,6 +26,11 @@ COHERENT = 0.7
 """A cell whose surroundings have one wall direction less than this is an edge or clutter."""
 
 
+GREYS, MOSTLY = 16, 0.6
+"""Of so many greys three make up at least this share of a floor plan; of the real ones at hand they
+make up 0.95 and more, of a picture of something else some 0.4."""
+
+
 class FloorPlanError(ValueError):
     """A map file that is missing or does not say what map_server expects."""
 
@@ -233,7 +238,20 @@ def _grey(path: Path) -> NDArray[np.float64]:
         raise FloorPlanError(f"{path}: found no image in it, expected an image file") from error
     except OSError as error:
         raise FloorPlanError(f"{path}: found {_said(error)}, expected an image file") from error
-    return np.ascontiguousarray(channels.mean(axis=2)[::-1] / 255.0)
+    grey = np.ascontiguousarray(channels.mean(axis=2)[::-1] / 255.0)
+    _check_few_greys(path, grey)
+    return grey
+
+
+def _check_few_greys(path: Path, grey: NDArray[np.float64]) -> None:
+    """Raise FloorPlanError for a picture that shows something else."""
+    counted, _ = np.histogram(grey, GREYS, (0.0, 1.0))
+    share = np.sort(counted)[-3:].sum() / grey.size
+    if share < MOSTLY:
+        raise FloorPlanError(
+            f"{path}: found a picture of many greys (the commonest three of {GREYS} make up "
+            f"{share:.0%} of it), expected a floor plan: free, occupied and unknown"
+        )
 
 
 def _frozen(array: NDArray[np.bool_]) -> NDArray[np.bool_]:

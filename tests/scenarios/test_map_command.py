@@ -15,7 +15,7 @@ from PIL import Image
 from scenarios.scenario import load
 from simworld.occupancy import write_floor_plan
 from tests.scenarios.launches import waywiser
-from tests.simworld.drawn_plans import corridor_boxes, drawn_plan
+from tests.simworld.drawn_plans import Box, corridor_boxes, drawn_plan
 
 COLUMNS_M, ROWS_M = (0.0, 14.0, 30.0), (0.0, 13.0)
 ROOM = (6.5, -5.5, 7.5, 0.0)
@@ -127,7 +127,7 @@ def no_plan(path: Path) -> None:
         (lambda p: rewritten(p, free_thresh=0.9), "free_thresh: found 0.9, expected a number from"),
         (lambda p: rewritten(p, image="gone.pgm"), "gone.pgm: found No such file or directory"),
         (lambda p: rewritten(p, negate=1), "no free space wider than 0.6 m, expected corridors"),
-        (no_plan, "no free space wider than 0.6 m, expected corridors"),
+        (no_plan, "map.pgm: found a picture of many greys (the commonest three of 16 make up"),
         (open_floor, "found free space without corridors, expected passages longer than wide"),
         (lambda p: p.with_suffix(".pgm").write_text("no image"), "found no image in it"),
         (lambda p: p.unlink(), "found No such file or directory"),
@@ -163,11 +163,20 @@ def test_bad_doors_are_bad_input(
     assert says in said.err
 
 
-@pytest.mark.parametrize("option", ["--picture", "--scenario", "--plan"])
-def test_what_cannot_be_written_is_bad_input(building: Path, option: str) -> None:
-    said = waywiser("map", str(building), option, str(building / "nowhere" / "file.yaml"))
+@pytest.mark.parametrize(
+    ("option", "name"), [("--picture", "file.svg"), ("--scenario", "x.toml"), ("--plan", "x.yaml")]
+)
+def test_what_cannot_be_written_is_bad_input(building: Path, option: str, name: str) -> None:
+    said = waywiser("map", str(building), option, str(building / "nowhere" / name))
     assert said.status == 2
     assert "cannot be written" in said.err
+
+
+def test_a_picture_of_another_kind_is_refused(building: Path, tmp_path: Path) -> None:
+    said = waywiser("map", str(building), "--picture", str(tmp_path / "found.png"))
+    assert said.status == 2
+    assert "found.png: found .png, expected .svg" in said.err
+    assert not (tmp_path / "found.png").exists()
 
 
 def test_a_cut_log_and_a_bad_door_stub_are_bad_input(building: Path, tmp_path: Path) -> None:
@@ -177,6 +186,27 @@ def test_a_cut_log_and_a_bad_door_stub_are_bad_input(building: Path, tmp_path: P
     assert said.status == 2
     assert "line 6: FLASER: found 180 values, expected 189; is it cut off?" in said.err
     assert "found 0.0 m" in waywiser("map", str(building), "--door-stub", "0").err
+
+
+def test_an_image_without_its_yaml_is_bad_input(building: Path) -> None:
+    said = waywiser("map", str(building.with_suffix(".pgm")))
+    assert said.status == 2
+    assert "map.pgm: found an image, expected the YAML file of a ROS map that names it" in said.err
+
+
+def test_a_building_that_is_no_clean_grid_is_said_to_be_none(tmp_path: Path) -> None:
+    boxes = corridor_boxes(COLUMNS_M, ROWS_M, np.ones(7, np.uint8), 2.0)
+    assert "off the grid:" not in waywiser("map", str(drawn(tmp_path / "grid.yaml", boxes))).out
+    # A fourth rung, which begins 2.9 m further west than it ends: one line, for want of room.
+    bent = [(19.0, -1.0, 21.0, 4.0), (19.0, 2.0, 23.9, 4.0), (21.9, 2.0, 23.9, 14.0)]
+    said = waywiser("map", str(drawn(tmp_path / "bent.yaml", [*boxes, *bent]))).out
+    assert "off the grid: [" in said
+    assert "more than 1.5 m from where their lines cross" in said
+
+
+def drawn(path: Path, boxes: list[Box]) -> Path:
+    write_floor_plan(drawn_plan(boxes), path)
+    return path
 
 
 def repainted(path: Path, greys: dict[int, int]) -> None:
