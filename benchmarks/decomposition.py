@@ -33,12 +33,14 @@ ROWS = (
     "stop rule: a wrong type at 1000 s",
     "stop rule: a wrong type at 300 s",
     "stop rule: 300 s, independent corridors",
+    "stop rule: what the decider says",
     "ways: one exploratory step",
     "ways: no future errands",
     "ways: ten times the future errands",
     "ways: independent corridors",
     "reactions by themselves",
     "all, a wrong type at 300 s",
+    "all, a wrong type at what the decider says",
 )
 
 
@@ -51,12 +53,14 @@ def rules(row: str) -> Rules:
         ROWS[2]: Rules(sensing=ClassifierRule(1000.0)),
         ROWS[3]: Rules(sensing=ClassifierRule(300.0)),
         ROWS[4]: Rules(sensing=ClassifierRule(300.0, independent=True)),
-        ROWS[5]: Rules(leaving=DeciderRule()),
-        ROWS[6]: Rules(leaving=DeciderRule(futures=0.0)),
-        ROWS[7]: Rules(leaving=DeciderRule(futures=10.0)),
-        ROWS[8]: Rules(leaving=DeciderRule(independent=True)),
-        ROWS[9]: Rules(reacting=react),
-        ROWS[10]: Rules(ClassifierRule(300.0), DeciderRule(), react),
+        ROWS[5]: Rules(sensing=ClassifierRule(heeds_stakes=True)),
+        ROWS[6]: Rules(leaving=DeciderRule()),
+        ROWS[7]: Rules(leaving=DeciderRule(futures=0.0)),
+        ROWS[8]: Rules(leaving=DeciderRule(futures=10.0)),
+        ROWS[9]: Rules(leaving=DeciderRule(independent=True)),
+        ROWS[10]: Rules(reacting=react),
+        ROWS[11]: Rules(ClassifierRule(300.0), DeciderRule(), react),
+        ROWS[12]: Rules(ClassifierRule(heeds_stakes=True), DeciderRule(), react),
     }[row]
 
 

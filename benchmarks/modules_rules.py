@@ -14,7 +14,9 @@ from bus.grid import Maps
 from modules.classifier.choose import WRONG_TYPE_S
 from modules.classifier.worth import Detectors, best_test
 from modules.decider.decision import decide
+from modules.decider.outlook import decide_by_outlook
 from modules.decider.situation import Situation
+from modules.decider.stakes import regret_s, stakes_of
 
 LOOK_AHEAD = 3
 
@@ -23,11 +25,13 @@ LOOK_AHEAD = 3
 class ClassifierRule:
     """Test on as long as a plan of tests saves time against concluding (modules.classifier.worth).
 
-    What it takes from the rest is pi(J) alone; what the type is needed for, it does not know.
+    What it takes from the rest is pi(J) alone, and, where ``heeds_stakes``, what the decider says
+    that a wrong type costs (modules.decider.stakes); else it does not know what the type is for.
     """
 
     wrong_type_s: float = WRONG_TYPE_S
     independent: bool = False
+    heeds_stakes: bool = False
 
     def __call__(self, world: TinyWorld, info: Info, place: int) -> int:
         """The detector to run at ``place``, or STOP."""
@@ -42,9 +46,46 @@ class ClassifierRule:
         )
         seconds = np.array([world.detectors[k].seconds for k in numbers])
         used = sum(1 << row for row, k in enumerate(numbers) if info.readings[k] != UNREAD)
-        regret_s = self.wrong_type_s * (1.0 - np.eye(len(types)))
-        found = best_test(belief, regret_s, Detectors(given, seconds), used, LOOK_AHEAD)
+        cost_s = self.wrong_type_s * (1.0 - np.eye(len(types)))
+        if self.heeds_stakes:
+            cost_s = at_stake_s(situation_at(world, info, place, maps, weights), types)
+        found = best_test(belief, cost_s, Detectors(given, seconds), used, LOOK_AHEAD)
         return STOP if found.row < 0 else numbers[found.row]
+
+
+def at_stake_s(situation: Situation, types: NDArray[np.int64]) -> NDArray[np.float64]:
+    """What the decider says that concluding one of these types costs where another is true."""
+    outlook = decide_by_outlook(situation, len(situation.maps))
+    stakes = stakes_of(situation, len(situation.maps))
+    return regret_s(situation, stakes, outlook)[np.ix_(types, types)]
+
+
+def situation_at(
+    world: TinyWorld,
+    info: Info,
+    place: int,
+    maps: Maps,
+    weights: NDArray[np.float64],
+    futures: float = 1.0,
+) -> Situation:
+    """What the decider is told: the next goal, the later ones as tasks, the maps that may be."""
+    keep = weights > 0
+    later = world.goals[info.leg :]
+    tasks = np.array(list(pairwise(later)), dtype=np.int64).reshape(-1, 2)
+    return Situation(
+        grid=world.grid,
+        place=place,
+        came_from=0,
+        waypoints=later[:1],
+        tasks=tasks,
+        expected=np.full(len(tasks), futures),
+        maps=maps[keep],
+        weights=weights[keep],
+        log_probability=np.log(weights[keep]),
+        corridor_probability=np.clip(weights @ maps, 0.0, 1.0),
+        corridor_s=world.corridor_s,
+        sensing_s=max((d.seconds for d in world.detectors), default=0.0),
+    )
 
 
 @dataclass
@@ -74,26 +115,7 @@ class DeciderRule:
             )
         weights = weights / weights.sum()
         concluded = most(world, maps, weights, place)
-        keep = weights > 0
-        later = world.goals[info.leg :]
-        tasks = np.array(list(pairwise(later)), dtype=np.int64).reshape(-1, 2)
-        seconds = [d.seconds for d in world.detectors]
-        found = decide(
-            Situation(
-                grid=world.grid,
-                place=place,
-                came_from=0,
-                waypoints=later[:1],
-                tasks=tasks,
-                expected=np.full(len(tasks), self.futures),
-                maps=maps[keep],
-                weights=weights[keep],
-                log_probability=np.log(weights[keep]),
-                corridor_probability=np.clip(weights @ maps, 0.0, 1.0),
-                corridor_s=world.corridor_s,
-                sensing_s=max(seconds, default=0.0),
-            )
-        )
+        found = decide(situation_at(world, info, place, maps, weights, self.futures))
         direction = int(found.direction[concluded]).bit_length() - 1
         return int(world.roads.corridor[place, direction])
 

@@ -1,7 +1,8 @@
 """The classifier's messages: priors and readings in, choices and likelihoods out.
 
 The belief about the junction is the geographer's prior times this visit's likelihood; the
-likelihood alone goes back, so nothing is counted twice.
+likelihood alone goes back, so nothing is counted twice. What a wrong type costs is the decider's to
+say; where that comes after the first answer of a visit, and in time, the answer is given again.
 """
 
 from __future__ import annotations

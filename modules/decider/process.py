@@ -1,7 +1,8 @@
 """The decider's messages: the question and the belief about the map in, the path out.
 
 A fixed-time procedure (paper, section 5): when question and belief are both there, it reckons
-how many hypotheses fit into the time left, and solves exactly that problem.
+how many hypotheses fit into the time left, and solves exactly that problem. With plans of least
+expected cost it also says what a wrong type of the junction ahead would cost.
 """
 
 from __future__ import annotations

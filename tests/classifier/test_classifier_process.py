@@ -96,7 +96,7 @@ def test_stakes_hold_for_every_question_of_their_visit_and_for_no_other() -> Non
     expected = choose(PRIOR, (), running, NORTH, MODEL, regret_s, LOOK_AHEAD[-1])
     assert then.worth_s.tobytes() == expected.worth_s.tobytes()
     # the branch decided is taken
-    hear(classifier, "reading/feature", reading_of(running))
+    hear(classifier, "reading/feature", Reading(3, 1, *divmod(running, 8), 0.5, 0, 8))
     elsewhere = the_classifier()
     hear(elsewhere, "stakes/junction", stakes(NOTHING_AT_STAKE, visit=2))
     assert on_the_way(elsewhere).worth_s.tobytes() == first.worth_s.tobytes()

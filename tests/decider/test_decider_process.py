@@ -15,7 +15,7 @@ from bus.messages import AskedPath, JunctionStakes, MapBelief, PathDecision
 from bus.turns import Turn
 from modules.decider import decide
 from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, outlook_cells
-from modules.decider.process import Decider, build
+from modules.decider.process import STAKES_SHARE, Decider, build
 from modules.decider.settings import Settings
 from modules.decider.stakes import regret_s, stakes_cells, stakes_of, unsettled_at
 from modules.geographer import ConnectedMaps
@@ -121,6 +121,8 @@ def test_path_and_stakes_together_fit_the_time_left(cells: int) -> None:
     costs = CostModel("a test", {"path": Rate(0.0, 1000.0)})
     *said, turn = told(a_decider(), asked(1, until_ns=1000 * cells), 4, costs)
     assert turn.cost_ns <= 1000 * cells
+    stakes_took = next(took for kind, took in turn.works if kind == "path")
+    assert stakes_took <= cells // STAKES_SHARE
     s = the_situation(4)
     types = len(np.unique(GRID.junction_types(s.maps)[:, 4]))
     least = stakes_cells(1, types, len(s.tasks))

@@ -93,3 +93,13 @@ def test_the_price_of_a_wrong_type_is_what_the_stop_rule_loses_by() -> None:
         for price in (100_000.0, 50.0)
     )
     assert dear > fair >= -1e-9
+
+
+def test_a_stop_rule_that_is_told_what_the_type_is_needed_for_loses_less() -> None:
+    here = world(WORLDS[0], 2)
+    best = JointProblem(here).cost_s()
+    alone, told = (
+        JointProblem(here, Rules(sensing=rule)).cost_s() - best
+        for rule in (ClassifierRule(), ClassifierRule(heeds_stakes=True))
+    )
+    assert -1e-9 <= told < 0.5 * alone
