@@ -108,15 +108,23 @@ def open_acts(
 
 
 def back_is_open(free_m: Floats, sectors: Sectors, lateral_m: float, body: Body) -> bool:
-    """Whether nothing stands where the robot would be in the middle, by a wide margin."""
-    left = _surfaces_m(free_m, sectors, lateral_m)
+    """Whether nothing stands where the robot would be in the middle, by a wide margin.
+
+    Nor between there and the robot: of what is beside it only the nearest point is heard.
+    """
     reach_m = body.radius_m + SPARE_BACK * sectors.half_rad
-    return not (np.abs(left) < reach_m).any()
+    if (np.abs(_surfaces_m(free_m, sectors, lateral_m)) < reach_m).any():
+        return False
+    beside = _surfaces_m(free_m, sectors, lateral_m, -BEHIND_M)
+    between = (beside > min(lateral_m, -reach_m)) & (beside < max(lateral_m, reach_m))
+    return not between.any()
 
 
-def _surfaces_m(free_m: Floats, sectors: Sectors, lateral_m: float) -> Floats:
-    """How far left of the centre line the surfaces are that are not passed, nor far ahead."""
+def _surfaces_m(
+    free_m: Floats, sectors: Sectors, lateral_m: float, until_m: float = OPEN_M
+) -> Floats:
+    """How far left of the centre line the surfaces are that are not passed, nor further ahead."""
     near = np.isfinite(free_m)
     ahead = free_m[near] * np.cos(sectors.middle_rad[near])
     left: Floats = free_m[near] * np.sin(sectors.middle_rad[near]) + lateral_m
-    return left[(ahead > BEHIND_M) & (ahead < OPEN_M)]
+    return left[(ahead > BEHIND_M) & (ahead < until_m)]

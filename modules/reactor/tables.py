@@ -39,7 +39,7 @@ from modules.reactor.meeting import (
     touches_standing,
     touches_walker,
 )
-from modules.reactor.thing import COLUMNS, LINE_EDGES_M, PAIR_M, PAIRS_M, SINGLE
+from modules.reactor.thing import COLUMNS, LINE_EDGES_M, PAIR_HALF_M, PAIR_M, PAIRS_M, SINGLE
 
 SIDES_M: Floats = np.linspace(-0.65, 0.65, 27)
 """Where across the corridor the robot may be, every 5 cm; a table for each."""
@@ -70,9 +70,6 @@ PACES_M_S: Floats = np.array([0.8, 1.3, 1.8])
 """Speeds at which it is looked at."""
 
 CART_RADIUS_M = 0.35
-
-PAIR_HALF_M = 0.05
-"""How far off their lines the two of a pair are at the points looked at."""
 
 SPARE_M = 0.1
 """How much further ahead a thing that stands may be than is reckoned: it is not heard while

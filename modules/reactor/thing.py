@@ -40,7 +40,8 @@ LINES_M: Floats = (LINE_EDGES_M[1:] + LINE_EDGES_M[:-1]) / 2
 """Middle of each line."""
 
 PAIR_M = 0.63
-"""How far from the centre line the two of a pair are, one on either side."""
+PAIR_HALF_M = 0.07
+"""How far from the centre line the two of a pair are, one on either side, and how far off that."""
 
 PAIRS_M: Floats = np.array([[0.0, 0.0], [0.15, 0.0], [0.0, 0.15], [0.3, 0.0], [0.0, 0.3]])
 """Pairs, (pairs, 2): how much further ahead than the nearer of them the left and right one are.

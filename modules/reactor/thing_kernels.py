@@ -18,6 +18,7 @@ from modules.reactor.thing import (
     DISTANCE,
     LINE_PRIOR,
     LINES_M,
+    PAIR_HALF_M,
     PAIR_M,
     PAIRS_M,
     RADIUS_M,
@@ -112,15 +113,14 @@ def listen(
             continue
         for column in range(COLUMNS):
             ahead = belief[DISTANCE, row, column]
-            range_m, heard, slope, beyond = expected(ahead, column, lateral_m, cones, cone)
+            range_m, heard, slope, blur = expected(ahead, column, lateral_m, cones, cone)
             weight = belief[WEIGHT, row, column]
             if not heard:
                 belief[WEIGHT, row, column] = weight * other
                 all_weight += weight * other
                 continue
             spread = belief[VARIANCE, row, column]
-            grazes = GRAZING * beyond
-            variance = slope * slope * spread + sigma_m * sigma_m + grazes * grazes
+            variance = slope * slope * spread + sigma_m * sigma_m + blur * blur
             off = echo_m - range_m
             density = math.exp(-0.5 * off * off / variance) / math.sqrt(2.0 * math.pi * variance)
             own = model.heard * density
@@ -186,17 +186,22 @@ def expected(
 ) -> tuple[float, bool, float, float]:
     """What a cone of a robot at ``lateral_m`` hears of a thing so far ahead.
 
-    Range; whether it is heard; change of range with distance; how much more the range is than
-    that of the nearest point, which the cone may only graze. Of a pair the nearer that is heard.
+    Range; whether it is heard; change of range with distance; how uncertain the range is because a
+    line is not a point, a standard deviation. Of a pair the nearer that is heard.
     """
     if column < SINGLE:
         return _expected_of_one(ahead_m, LINES_M[column] - lateral_m, cones, cone)
     more = PAIRS_M[column - SINGLE]
-    left = _expected_of_one(ahead_m + more[0], PAIR_M - lateral_m, cones, cone)
-    right = _expected_of_one(ahead_m + more[1], -PAIR_M - lateral_m, cones, cone)
+    left_m, right_m = PAIR_M - lateral_m, -PAIR_M - lateral_m
+    left = _expected_of_one(ahead_m + more[0], left_m, cones, cone)
+    right = _expected_of_one(ahead_m + more[1], right_m, cones, cone)
     if left[1] and (left[0] <= right[0] or not right[1]):
-        return left
-    return right
+        range_m, heard, slope, blur = left
+        beside_m = left_m
+    else:
+        range_m, heard, slope, blur = right
+        beside_m = right_m
+    return range_m, heard, slope, blur + PAIR_HALF_M * abs(beside_m) / (range_m + RADIUS_M)
 
 
 @njit(cache=True)
@@ -207,7 +212,7 @@ def _expected_of_one(
     away = math.sqrt(ahead_m * ahead_m + left_m * left_m)
     slope = min(max(ahead_m / max(away, 1e-6), 0.0), 1.0)
     heard = heard and range_m < cones.farthest_m and ahead_m > 0.0
-    return range_m, heard, slope, range_m + RADIUS_M - away
+    return range_m, heard, slope, GRAZING * (range_m + RADIUS_M - away)
 
 
 @njit(cache=True)

@@ -76,6 +76,18 @@ def test_a_frame_beside_the_way_closes_nothing_and_abreast_the_way_back_is_close
     assert "continue" not in beside_it and "pass right" in beside_it
 
 
+@pytest.mark.parametrize("ahead_m", [-0.25, -0.1, 0.0, 0.2])
+@pytest.mark.parametrize("left_m", [-0.15, 0.0, 0.12, 0.15])
+def test_the_way_back_is_closed_while_a_box_is_beside_the_robot(
+    ahead_m: float, left_m: float
+) -> None:
+    for side in (1.0, -1.0):
+        box = (ahead_m, side * left_m, 0.243)
+        pings = [heard(2.0, side * 0.65, (box,))] * PINGS
+        assert beside(pings, SECTORS, side * 0.65, BODY).abreast
+        assert not beside([heard(2.0, side * 0.65)] * PINGS, SECTORS, side * 0.65, BODY).abreast
+
+
 def test_one_missed_echo_opens_no_way_and_one_crossed_reading_closes_none() -> None:
     blocked, free = heard(2.0, 0.0, ((0.8, 0.0, 0.25),)), heard(2.0, 0.0)
     act = ACTS.index("continue")

@@ -47,3 +47,10 @@ def test_the_map_is_learnt_from_the_echoes_of_the_real_building() -> None:
     sure = [run.seed for run in runs if run.most_probable and run.true_map > 0.99]
     # where the plan's recesses and doors look like what they are not, a corridor is lost
     assert len(sure) >= 6, sure
+
+
+@pytest.mark.skipif(not PLAN.is_file(), reason=f"needs the floor plan {PLAN}")
+def test_a_day_is_done_among_the_echoes_and_the_people_of_the_real_building() -> None:
+    # door frames and what stands about are passed, not waited for
+    (run,) = outcomes("aces", (1,), f"world.floor_plan={PLAN}")
+    assert (run.reason, run.errands, run.collisions, run.late) == ("done", 6, 0, ())
