@@ -50,7 +50,7 @@ def test_the_shipped_model_comes_from_its_command() -> None:
 
 
 def test_other_trials_agree_with_the_shipped_model() -> None:
-    shipped, other = load_sensor_model(), calibrate(120, seed=99)
+    shipped, other = load_sensor_model(), calibrate(80, seed=99)
     n = other.counts.sum(axis=-1, keepdims=True)
     p = shipped.probability
     # Five standard deviations of a binomial, and two trials for the rare classes.

@@ -48,14 +48,14 @@ def test_noise_is_no_doorway_and_a_step_is() -> None:
 
 
 def test_a_doorway_by_hand() -> None:
-    assert Wall(1.0, 1.0, PLAIN_M).doorway == pytest.approx(0.5)
+    assert Wall(1.0, (1.0,), PLAIN_M).doorway == pytest.approx(0.5)
     # 26 nats for a residual e times as large, but never more than 4: 1 / (1 + exp(-4)).
-    assert Wall(1.0, 1.0, math.e * PLAIN_M).doorway == pytest.approx(0.98201, abs=1e-5)
-    assert Wall(1.0, 1.0, math.exp(0.1) * PLAIN_M).doorway == pytest.approx(
+    assert Wall(1.0, (1.0,), math.e * PLAIN_M).doorway == pytest.approx(0.98201, abs=1e-5)
+    assert Wall(1.0, (1.0,), math.exp(0.1) * PLAIN_M).doorway == pytest.approx(
         1 / (1 + math.exp(-2.6))
     )
     # A tenth of the cones silent: 1.8 nats.
-    assert Wall(1.0, 0.9, PLAIN_M).doorway == pytest.approx(1 / (1 + math.exp(-1.8)))
+    assert Wall(1.0, (1.0, 0.9), PLAIN_M).doorway == pytest.approx(1 / (1 + math.exp(-1.8)))
 
 
 def test_silence_in_the_middle_is_still_a_wall() -> None:
@@ -64,6 +64,15 @@ def test_silence_in_the_middle_is_still_a_wall() -> None:
     found = fit_wall(pierced, BEARINGS_RAD, 0.0, 1.0)
     assert found.share == pytest.approx(2 / 3)  # heading by heading, of 3 or 4 cones
     assert found.probability > 0.99
+
+
+def test_headings_that_disagree_leave_doubt_by_hand() -> None:
+    sure = 1 / (1 + math.exp(-6.6))
+    # Even at a quarter of the cones, sure a fifth above it or below; the fewest and the middle.
+    assert Wall(1.0, (1.0, 1.0, 1.0, 1.0), 0.01).probability == pytest.approx(sure)
+    assert Wall(1.0, (0.0, 1.0, 1.0, 1.0), 0.01).probability == pytest.approx(0.5)
+    assert Wall(1.0, (0.0, 0.0, 0.0, 1.0), 0.01).probability == pytest.approx(1 - sure)
+    assert Wall(1.0, (0.35, 0.35), 0.01).probability == pytest.approx(1 / (1 + math.exp(-3.3)))
 
 
 def test_nothing_heard_is_no_wall() -> None:

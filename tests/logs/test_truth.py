@@ -32,9 +32,8 @@ def test_a_visit_is_placed_by_the_pose_that_follows_its_arrival() -> None:
     assert truth.place(1) is None
     assert truth.hear(m.TruePose(0.0, 30.0, 0.0, 2)) == 1
     assert (truth.place(1), truth.junction_type(1)) == (2, 4)  # the south only
-    assert (
-        truth.feature(m.Reading(1, 1, 1, 0, 0.9, 3, 8)) is True
-    )  # entered northward: a wall ahead
+    # entered northward: a wall ahead
+    assert truth.feature(m.Reading(1, 1, 1, 0, 0.9, 3, 8)) is True
     assert truth.hear(m.Blocked(2, 2)) == 2
     assert truth.place(2) == 2
     assert (
