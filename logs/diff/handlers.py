@@ -45,7 +45,7 @@ def _handled_once(
 
 def _other_order(case: Case, process: str, about: MessageId) -> Named | None:
     """Whether the process handled other messages before this one, or the same in another order."""
-    before = [_up_to(of, process, about) for of in (case.base, case.new)]
+    before = [up_to(of, process, about) for of in (case.base, case.new)]
     pairs = zip(*before, strict=False)
     first = next(((one, two) for one, two in pairs if one != two), None)
     if first is None:
@@ -60,7 +60,8 @@ def _other_order(case: Case, process: str, about: MessageId) -> Named | None:
     return Named("order", f"{what}, in base after it")
 
 
-def _up_to(of: Telling, process: str, about: MessageId) -> list[MessageId]:
+def up_to(of: Telling, process: str, about: MessageId) -> list[MessageId]:
+    """What a process handled up to a message, which is among it."""
     handled = of.handled(process)
     return handled[: handled.index(about) + 1]
 

@@ -7,7 +7,7 @@ from bus.wire import MessageId
 from logs.diff.case import Case, Named
 from logs.diff.events import OUTPUT, SPAN, Event
 from logs.diff.found import FirstDifference, Heard
-from logs.diff.handlers import name_handler
+from logs.diff.handlers import name_handler, up_to
 from logs.diff.messages import is_elsewhere, name_message
 from logs.diff.search import Parting
 from logs.diff.telling import Telling
@@ -73,6 +73,9 @@ def _heard(case: Case, process: str, about: MessageId) -> tuple[Heard, ...]:
         return case.heard([*either, *case.event.parents], [about])
     not_in_both = [name for name in turns[0] if name not in turns[1]]
     not_in_both += [name for name in turns[1] if name not in turns[0]]
+    for one, other in ((case.base, case.new), (case.new, case.base)):
+        handled = set(other.handled(process))  # asked for members alone
+        not_in_both += [name for name in up_to(one, process, about) if name not in handled]
     return case.heard([*turns[0], *case.event.parents], not_in_both)
 
 

@@ -8,6 +8,7 @@ expected cost it also says what a wrong type of the junction ahead would cost.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -95,11 +96,12 @@ class Decider:
     ) -> Decision:
         """Decide by least expected cost, and say what a wrong type at v would cost."""
         stakes = self._stakes(situation, asked, belief, turn)
-        outlook = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn))
+        spent = stakes.cells if stakes is not None else 0
+        outlook = decide_by_outlook(situation, self._worlds(situation, asked, belief, turn, spent))
         if stakes is not None:
             regret = regret_s(situation, stakes, outlook)
             turn.say(JunctionStakes(asked.visit, regret), *self._made_from.values())
-        return outlook.decision
+        return replace(outlook.decision, cells=outlook.decision.cells + spent)
 
     def _stakes(
         self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
@@ -112,9 +114,7 @@ class Decider:
         maps = most_maps(_types(belief), len(situation.tasks), cells)
         if maps is None:
             return None
-        stakes = stakes_of(situation, maps)
-        turn.work("path", stakes.cells)
-        return stakes
+        return stakes_of(situation, maps)
 
     def _situation(self, asked: AskedPath, belief: MapBelief) -> Situation:
         expected = asked.expected if self._settings.explores else np.zeros_like(asked.expected)
@@ -143,11 +143,13 @@ class Decider:
         # Where nothing fits it will be late whatever it does: the smallest is late by least.
         return largest_that_fits(self._grid, len(asked.tasks), types, cells, legs) or LADDER[0]
 
-    def _worlds(self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn) -> int:
-        """The same for plans of least expected cost."""
+    def _worlds(
+        self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn, spent: int
+    ) -> int:
+        """The same for plans of least expected cost, some cells being spent already."""
         if self._settings.hypotheses != "as many as fit":
             return self._settings.hypotheses
-        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns))
+        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns)) - spent
         legs = len(errands_of(situation).goals)
         return most_worlds(self._grid, _types(belief), legs, cells) or WORLDS[0]
 

@@ -14,10 +14,16 @@ from bus.grid import NORTH, SOUTH, Grid
 from bus.messages import AskedPath, JunctionStakes, MapBelief, PathDecision
 from bus.turns import Turn
 from modules.decider import decide
-from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, outlook_cells
-from modules.decider.process import STAKES_SHARE, Decider, build
+from modules.decider.outlook import (
+    WORLDS,
+    decide_by_outlook,
+    errands_of,
+    most_worlds,
+    outlook_cells,
+)
+from modules.decider.process import POSSIBLE, STAKES_SHARE, Decider, build
 from modules.decider.settings import Settings
-from modules.decider.stakes import regret_s, stakes_cells, stakes_of, unsettled_at
+from modules.decider.stakes import most_maps, regret_s, stakes_of, unsettled_at
 from modules.geographer import ConnectedMaps
 from tests.decider.test_outlook import situation
 
@@ -101,10 +107,7 @@ def test_it_says_what_a_wrong_type_would_cost_unless_it_comes_back_for_it() -> N
     weighed = stakes_of(s, 32)
     outlook = decide_by_outlook(s, WORLDS[-1])
     assert stakes.regret_s.tobytes() == regret_s(s, weighed, outlook).tobytes()
-    assert dict(turn.works)["path"] == outlook.decision.cells
-    assert sum(cells for kind, cells in turn.works if kind == "path") == (
-        outlook.decision.cells + weighed.cells
-    )
+    assert dict(turn.works)["path"] == outlook.decision.cells + weighed.cells
     # Whoever comes back to an unsettled place finds out: the classifier's own price holds then.
     assert unsettled_at(s)
     assert [type(m) for m in told(decider, asked(2), 4)[:-1]] == [PathDecision]
@@ -121,11 +124,16 @@ def test_path_and_stakes_together_fit_the_time_left(cells: int) -> None:
     costs = CostModel("a test", {"path": Rate(0.0, 1000.0)})
     *said, turn = told(a_decider(), asked(1, until_ns=1000 * cells), 4, costs)
     assert turn.cost_ns <= 1000 * cells
-    stakes_took = next(took for kind, took in turn.works if kind == "path")
-    assert stakes_took <= cells // STAKES_SHARE
     s = the_situation(4)
-    types = len(np.unique(GRID.junction_types(s.maps)[:, 4]))
-    least = stakes_cells(1, types, len(s.tasks))
-    assert isinstance(said[0], JunctionStakes) == (8 * least <= cells)
-    smallest = outlook_cells(GRID, 1, types, len(errands_of(s).goals))
-    assert smallest <= cells, "the test leaves room for the smallest problem"
+    heard = belief(1, 4)
+    types = int((heard.junctions[heard.y, heard.x] > POSSIBLE).sum())
+    legs, tasks = len(errands_of(s).goals), len(s.tasks)
+    assert outlook_cells(GRID, 1, types, legs) <= cells, "there is room for the smallest problem"
+    # An eighth of the time goes into the stakes at most; the path has what they leave.
+    maps = most_maps(types, tasks, cells // STAKES_SHARE)
+    assert maps is not None
+    weighed = stakes_of(s, maps)
+    worlds = most_worlds(GRID, types, legs, cells - weighed.cells)
+    outlook = decide_by_outlook(s, worlds or 1)
+    assert turn.cells - 1 == weighed.cells + outlook.decision.cells
+    assert said[0].regret_s.tobytes() == regret_s(s, weighed, outlook).tobytes()

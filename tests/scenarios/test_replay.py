@@ -296,7 +296,7 @@ def test_the_debugger_breaks_at_the_first_difference(
     built: Callable[[Build], None],
 ) -> None:
     built(mutant("decider", mutants.contrary))
-    debugger = debugged(monkeypatch, "p 'now', said[0].topic, turn.said[0].topic\nc\n", None)
+    debugger = debugged(monkeypatch, "p 'now', said[-1].topic, turn.said[-1].topic\nc\n", None)
     assert replay(log, "decider", None, debugger).flipped
     said = capsys.readouterr().out
     assert "the first difference, at " in said
