@@ -201,7 +201,8 @@ def expected(
     else:
         range_m, heard, slope, blur = right
         beside_m = right_m
-    return range_m, heard, slope, blur + PAIR_HALF_M * abs(beside_m) / (range_m + RADIUS_M)
+    away_m = max(range_m, 0.0) + RADIUS_M  # where nothing is heard the range may be anything
+    return range_m, heard, slope, blur + PAIR_HALF_M * abs(beside_m) / away_m
 
 
 @njit(cache=True)

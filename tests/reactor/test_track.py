@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from modules.reactor.thing import (
     VARIANCE,
     EchoModel,
 )
+from modules.reactor.thing_kernels import expected
 from tests.reactor.things import (
     born,
     echoes_of_disc,
@@ -309,3 +311,12 @@ def test_one_is_not_taken_for_two_abreast() -> None:
         for seed in range(5):
             thing = approach(1.3, left_m, 15, seed).things[0]
             assert thing.weight[:, SINGLE:].sum() < 0.1
+
+
+def test_what_is_beside_or_behind_the_robot_has_a_range_or_none() -> None:
+    places = product(np.linspace(-0.6, 1.0, 33), range(COLUMNS), np.linspace(-0.65, 0.65, 27))
+    for ahead_m, column, lateral_m in places:
+        for cone in range(len(USUAL.numbers)):
+            found = expected(float(ahead_m), column, float(lateral_m), USUAL, cone)
+            assert np.isfinite(found).all()
+            assert not found[1] or (found[0] >= 0.0 and found[3] >= -1e-12)
