@@ -8,7 +8,9 @@ The walls behind are beyond the junction itself, in the corridor that the robot 
 
 from __future__ import annotations
 
+import math
 from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,11 @@ from bus.grid import DIRECTIONS, JUNCTION_TYPES, OPPOSITE
 JAMB_RATE = 0.2
 """Pr(door jamb|a wall is there): offices of five metres have a door each, and a doorway counts if
 its middle is within a metre of wall, half to either side of the place (assumption)."""
+
+
+DOORWAY_RATE = 0.1
+"""Pr(it is entered through a doorway|a corridor is there): then walls run on at its corners, and it
+opens in their middle all the same (assumption; three of the six rungs of the SRI K-wing are so)."""
 
 
 class HeadingError(ValueError):
@@ -55,10 +62,29 @@ def presence(junction_type: int, heading: int, wedges: Wedges = USUAL) -> NDArra
 
 @cache
 def presence_table(wedges: Wedges = USUAL) -> NDArray[np.float64]:
-    """Pr(X=1|J) for every heading and type: (headings N E S W, types, features, wedges)."""
-    table = np.array([[presence(j, h, wedges) for j in range(JUNCTION_TYPES)] for h in DIRECTIONS])
+    """Pr(X=1|J) for every heading and type: (headings N E S W, types, features, wedges).
+
+    As :func:`presence` has it, but for corners of corridors that may have doorways.
+    """
+    table = np.array(
+        [[_with_doorways(j, h, wedges) for j in range(JUNCTION_TYPES)] for h in DIRECTIONS]
+    )
     table.flags.writeable = False
     return table
+
+
+def _with_doorways(junction_type: int, heading: int, wedges: Wedges) -> NDArray[np.float64]:
+    """Pr(X=1|J), summed over which of the corridors ahead and beside have doorways."""
+    certain = presence(junction_type, heading, wedges)
+    ways = [d for d in DIRECTIONS if junction_type & d and d != OPPOSITE[heading]]
+    summed = np.zeros_like(certain)
+    for doors in product((False, True), repeat=len(ways)):
+        walls = sum(d for d, door in zip(ways, doors, strict=True) if door)
+        share = math.prod(DOORWAY_RATE if door else 1 - DOORWAY_RATE for door in doors)
+        summed += share * presence(junction_type & ~walls, heading, wedges)
+    places = (wedges.place(feature, wedge) for feature, wedge in np.ndindex(certain.shape))
+    at_corner = np.array([place is not None and len(place.sides) > 1 for place in places])
+    return np.where(at_corner.reshape(certain.shape), summed, certain)
 
 
 def enterable(heading: int) -> NDArray[np.bool_]:

@@ -39,12 +39,19 @@ def plan(
     check_width(nominal_width_m)
     view = view_of(feature, wedge, wedges)
     there = Step("drive", view.vantage * nominal_width_m / 2)
+    nearer = Step("drive", view.approach * nominal_width_m / 2)
     steps = [there]
     faced_rad = 0.0
+    if nearer.amount:
+        steps += [Step("turn", view.facing_rad), nearer]
+        faced_rad = view.facing_rad
     for offset_rad in SWEEP_RAD:
         steps.append(Step("turn", view.facing_rad + offset_rad - faced_rad))
         steps.append(Step("ping", PINGS_EACH))
         faced_rad = view.facing_rad + offset_rad
+    if nearer.amount:
+        steps += [Step("turn", view.facing_rad - faced_rad), Step("drive", -nearer.amount)]
+        faced_rad = view.facing_rad
     steps += [Step("turn", -faced_rad), Step("drive", -there.amount)]
     return tuple(step for step in steps if step.amount != 0.0)
 

@@ -126,8 +126,11 @@ def see(
     """
     check_width(nominal_width_m)
     bearings_rad = _bearings_rad(ranges_m, heading_offsets_rad)
-    look = _at_corner if view.at_corner else _square_on
-    return look(ranges_m, bearings_rad, nominal_width_m / 2)
+    half_m = nominal_width_m / 2
+    if view.at_corner:
+        return _at_corner(ranges_m, bearings_rad, half_m)
+    wall = fit_wall(ranges_m, bearings_rad, 0.0, half_m, view.approach * half_m)
+    return SquareOn(wall.probability, wall.doorway)
 
 
 def finding(feature: int, seen: Seen) -> Finding:
@@ -152,13 +155,6 @@ def _bearings_rad(
     axes = np.arange(transducers) * (2 * math.pi / transducers)
     bearings: NDArray[np.float64] = heading_offsets_rad[:, None] + axes[None, :]
     return bearings
-
-
-def _square_on(
-    ranges_m: NDArray[np.float64], bearings_rad: NDArray[np.float64], half_m: float
-) -> Seen:
-    wall = fit_wall(ranges_m, bearings_rad, 0.0, half_m)
-    return SquareOn(wall.probability, wall.doorway)
 
 
 def _at_corner(

@@ -41,6 +41,10 @@ EVEN_SHARE, SURE_SHARE = 0.25, 0.2
 """A wall is as likely as not if this share of its cones answers, and certain if so much more do:
 a third of them at least where there is a doorway, none where the side is open."""
 
+EVEN_AHEAD, SURE_AHEAD = 0.6, 0.3
+"""A wall answers the cone that faces it at nearly every heading; through an open doorway that cone
+hears what is behind at many, even if all others hear the jambs."""
+
 MOST_NATS = 6.6
 
 PLAIN_M = 0.0197
@@ -60,13 +64,14 @@ MOST_DOORWAY_NATS = 4.0
 class Wall:
     """The wall that fits best: its distance, the shares of its cones that answered, what is left.
 
-    ``shares`` are those of each heading; ``range_m`` and ``residual_m`` are nan where too few
-    answered to tell.
+    ``shares`` are those of each heading, ``ahead`` is the share of headings at which the cone that
+    faces it answered; ``range_m`` and ``residual_m`` are nan where too few answered to tell.
     """
 
     range_m: float
     shares: tuple[float, ...]
     residual_m: float
+    ahead: float
 
     @property
     def share(self) -> float:
@@ -83,7 +88,9 @@ class Wall:
         """
         shares = (self.share, float(np.median(self.shares)))
         nats = [MOST_NATS * (share - EVEN_SHARE) / SURE_SHARE for share in shares]
-        return _chance(sum(min(MOST_NATS, max(-MOST_NATS, n)) for n in nats) / 2)
+        by_share = sum(min(MOST_NATS, max(-MOST_NATS, n)) for n in nats) / 2
+        by_ahead = MOST_NATS * (self.ahead - EVEN_AHEAD) / SURE_AHEAD
+        return _chance(max(-MOST_NATS, min(by_share, by_ahead)))
 
     @property
     def doorway(self) -> float:
@@ -111,6 +118,11 @@ class Look(NamedTuple):
         inside = np.abs(self.off_rad) <= ANSWERS_RAD
         return float((np.isfinite(self.found_m) & inside).sum() / max(1, inside.sum()))
 
+    @property
+    def ahead(self) -> bool:
+        """Whether the cone that faces the wall heard one."""
+        return bool(np.isfinite(self.found_m[np.abs(self.off_rad).argmin()]))
+
     def residual_m(self, range_m: float, normal_rad: float) -> float:
         """Root mean square distance, along the cones, from a wall."""
         left = _left_over(np.array([range_m, normal_rad]), self.off_rad, self.found_m)
@@ -122,19 +134,23 @@ def fit_wall(
     bearings_rad: NDArray[np.float64],
     normal_rad: float,
     half_m: float,
+    nearer_m: float = 0.0,
 ) -> Wall:
     """The wall whose normal should be at a bearing, half a corridor's width away.
 
-    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers). The residual is
-    the median over the headings, since somebody may have stood about at some of them.
+    ``ranges_m`` (nan for no echo) and ``bearings_rad`` are (pings, transducers), from ``nearer_m``
+    nearer than the corridor's axis. The residual is the median over the headings, since somebody
+    may have stood about at some of them.
     """
     off_rad = np.remainder(bearings_rad - normal_rad + math.pi, 2 * math.pi) - math.pi
-    looks = list(_looks(ranges_m, off_rad, RANGES[0] * half_m, RANGES[1] * half_m))
+    nearest_m, farthest_m = (share * half_m - nearer_m for share in RANGES)
+    looks = list(_looks(ranges_m, off_rad, nearest_m, farthest_m))
     shares = tuple(look.share for look in looks)
+    ahead = sum(look.ahead for look in looks) / len(looks)
     found_m, at_rad = (np.concatenate([look[k] for look in looks]) for k in (0, 1))
     heard = np.isfinite(found_m)
     if heard.sum() < FEWEST:
-        return Wall(math.nan, shares, math.nan)
+        return Wall(math.nan, shares, math.nan, ahead)
     fitted = least_squares(
         _left_over,
         [float(np.median(found_m[heard])), 0.0],
@@ -147,7 +163,7 @@ def fit_wall(
     left_m = [
         look.residual_m(range_m, askew_rad) for look in looks if np.isfinite(look.found_m).any()
     ]
-    return Wall(range_m, shares, float(np.median(left_m)))
+    return Wall(range_m, shares, float(np.median(left_m)), ahead)
 
 
 def _left_over(
