@@ -35,9 +35,11 @@ away when it enters the cone."""
 
 WALL_BEFORE = 4
 WALL_OF = 6
-GONE_AFTER = 4
-"""An abrupt change: heard four times of six, then not once in four. One echo in fifty is lost and
-one in a hundred is another's, so chance makes one in 10^6 steps."""
+GONE_AFTER = 12
+MOST_STRAYS = 1
+"""An abrupt change: heard four times of six, then but once in twelve, which is 36 cm further. One
+echo in fifty is lost and one in a hundred is another's. Where only a door interrupts the wall, its
+far jamb is heard before: one of 0.7 m at once, one of a metre just in time."""
 
 END_AGREES_M = 0.08
 END_GLIMPSES = 5
@@ -96,7 +98,8 @@ def has_ended(early_m: Sequence[float], wall_m: float) -> bool:
     """
     heard = [range_m <= GONE * wall_m for range_m in early_m[-(WALL_OF + GONE_AFTER) :]]
     before, after = heard[:-GONE_AFTER], heard[-GONE_AFTER:]
-    return len(before) == WALL_OF and before[-1] and sum(before) >= WALL_BEFORE and not any(after)
+    wall = len(before) == WALL_OF and before[-1] and sum(before) >= WALL_BEFORE
+    return wall and not after[0] and sum(after) <= MOST_STRAYS
 
 
 def end_at_m(driven_m: Sequence[float], ahead_m: Sequence[float]) -> float | None:

@@ -18,7 +18,6 @@ from modules.reactor.thing import (
     DISTANCE,
     LINE_PRIOR,
     LINES_M,
-    PAIR_HALF_M,
     PAIR_M,
     PAIRS_M,
     RADIUS_M,
@@ -192,17 +191,11 @@ def expected(
     if column < SINGLE:
         return _expected_of_one(ahead_m, LINES_M[column] - lateral_m, cones, cone)
     more = PAIRS_M[column - SINGLE]
-    left_m, right_m = PAIR_M - lateral_m, -PAIR_M - lateral_m
-    left = _expected_of_one(ahead_m + more[0], left_m, cones, cone)
-    right = _expected_of_one(ahead_m + more[1], right_m, cones, cone)
+    left = _expected_of_one(ahead_m + more[0], PAIR_M - lateral_m, cones, cone)
+    right = _expected_of_one(ahead_m + more[1], -PAIR_M - lateral_m, cones, cone)
     if left[1] and (left[0] <= right[0] or not right[1]):
-        range_m, heard, slope, blur = left
-        beside_m = left_m
-    else:
-        range_m, heard, slope, blur = right
-        beside_m = right_m
-    away_m = max(range_m, 0.0) + RADIUS_M  # where nothing is heard the range may be anything
-    return range_m, heard, slope, blur + PAIR_HALF_M * abs(beside_m) / away_m
+        return left
+    return right
 
 
 @njit(cache=True)
