@@ -29,6 +29,10 @@ GATE = 2.5
 SURE = 1.5
 """Within so many it is the port's at once; else the robot looks on for a better one."""
 
+FAR_SIDE_M = 0.2
+"""What the way across is wider or narrower than the corridor, or a cupboard stands before the far
+side (standard deviation, an assumption)."""
+
 Listen = Callable[[Pose], NDArray[np.float64]]
 """What the ring hears from a pose, (transducers,), nan for no echo."""
 
@@ -126,13 +130,17 @@ class _Looking:
         end_m = end_at_m(self.way_m, self.ahead_m) if self.through else None
         if end_m is None:
             return None
-        # The junction's far side is as far from its port as the corridor is wide.
+        # The junction's far side is about as far from its port as the corridor is wide.
         at_m = end_m - to_left_m - to_right_m
-        return (at_m, "wall ahead") if self.expected.is_near(at_m) else None
+        if not self.expected.is_near(at_m):
+            return None
+        trust = 1.0 / (1.0 + (FAR_SIDE_M / self.expected.sigma_m) ** 2)
+        return trust * at_m + (1.0 - trust) * self.expected.way_m, "wall ahead"
 
     def _note_end(self, early_m: list[float], side_m: float, askew_rad: float) -> None:
         """Where the wall of one side ends, if it has just left the cone ahead of the robot."""
-        if not has_ended(early_m, side_m):
+        # A cupboard along the wall ends, too, and the wall behind it is still there.
+        if not has_ended(early_m, max(side_m, self.expected.width_m / 2.0)):
             return
         last, first = self.way_m[-GONE_AFTER - 1], self.way_m[-GONE_AFTER]
         at_m = (last + first) / 2.0 + side_m / math.tan(self.ears.leaves_rad + askew_rad)

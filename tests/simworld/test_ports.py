@@ -12,15 +12,21 @@ from simworld.sonar import SonarRing
 NAN = math.nan
 
 
+WALL = [1.04] * 6
+SILENCE = [NAN] * 12
+
+
 @pytest.mark.parametrize(
     ("early_m", "ended"),
     [
-        ([1.04] * 6 + [NAN, 5.0, NAN, NAN], True),
-        ([1.3, 1.2, NAN, 1.1, 1.05, 1.04, NAN, NAN, 3.0, NAN], True),  # one echo was lost
-        ([1.04] * 6 + [NAN, 1.04, NAN, NAN], False),  # the wall runs on
-        ([NAN] * 3 + [1.04] + [NAN] * 6, False),  # one chance echo is no wall
-        ([1.04] * 5 + [NAN] * 5, False),  # it had ended before
-        ([1.04, NAN, NAN, NAN], False),  # nothing is known yet
+        ([*WALL, NAN, 5.0, *SILENCE[2:]], True),
+        ([1.3, 1.2, NAN, 1.1, 1.05, 1.04, *SILENCE], True),  # one echo was lost
+        ([*WALL, *SILENCE[:5], 0.7, *SILENCE[6:]], True),  # another's echo
+        ([*WALL, NAN, *WALL, *WALL[:5]], False),  # the wall runs on
+        (WALL + [NAN] * 7 + [1.39, 1.35, 1.31, 1.28, 1.25], False),  # the far jamb of a door
+        ([NAN] * 5 + [1.04] + SILENCE, False),  # one chance echo is no wall
+        ([*WALL[1:], NAN, *SILENCE], False),  # it had ended before
+        ([1.04, *SILENCE], False),  # nothing was known before
     ],
 )
 def test_a_wall_ends_where_it_was_heard_and_then_not(early_m: list[float], ended: bool) -> None:
