@@ -12,7 +12,7 @@ run: setup ## launch the main scenario in separate processes, analyse its log, d
 	$(BIN)/waywiser analyse $(LOG) --html $(PAGE)
 
 test: check ## format, lint, types, house rules, tests
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto
 
 check: setup
 	$(BIN)/ruff format --check .

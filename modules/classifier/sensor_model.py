@@ -28,7 +28,7 @@ EVIDENCE_CLASSES = 4
 
 LEAST_TOLD = 0.2
 """A detector is worth the search of a plan if it tells this share of what the best one tells. With
-the shipped model the others tell less than an eighth of it, or nothing, the rest four fifths."""
+the shipped model the others tell less than an eighth of it, or nothing, the rest more than half."""
 
 NO_BITS = 1e-9
 """Less is the rounding of nothing."""

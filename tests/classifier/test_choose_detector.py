@@ -144,7 +144,8 @@ def test_a_test_is_worth_nothing_where_one_reading_cannot_overturn_the_conclusio
     counts = np.broadcast_to(np.array([(7000, 0, 0, 3000), (3000, 0, 0, 7000)]), SHAPE)
     model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test")
     prior = np.zeros(16)
-    prior[[SOUTH, SOUTH | WEST]] = 0.1, 0.9  # four detectors tell them apart
+    # Openings and walls, ahead and to the left: four detectors tell them apart for sure.
+    prior[[SOUTH, SOUTH | NORTH | WEST]] = 0.1, 0.9
     cost_s = flat_cost_s(1000.0)
     ahead = {n: choose(prior, [], None, NORTH, model, cost_s, n) for n in (1, 2, 3)}
     assert ahead[1].next_detector.tolist() == [STOP]

@@ -17,6 +17,7 @@ from bus.features import (
 )
 from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, OPPOSITE, SOUTH, WEST
 from modules.classifier.geometry import (
+    DOORWAY_RATE,
     JAMB_RATE,
     HeadingError,
     enterable,
@@ -48,6 +49,29 @@ def test_features_of_each_kind_by_hand(kind: str) -> None:
     assert [set(np.flatnonzero(row).tolist()) for row in present] == wedges
     assert set(present[:DOOR_JAMB].ravel().tolist()) == {0.0, 1.0}
     assert set(present[DOOR_JAMB].tolist()) <= {0.0, JAMB_RATE}
+
+
+def test_corridors_behind_doorways_have_walls_at_their_corners_by_hand() -> None:
+    assert DOORWAY_RATE == 0.1
+    cross = presence_table()[DIRECTIONS.index(NORTH), 15]
+    # At the far left corner meet the ways ahead and to the left: neither has a doorway, or both.
+    assert cross[CONVEX_CORNER, 1] == pytest.approx(0.9 * 0.9)
+    assert cross[CONCAVE_CORNER, 1] == pytest.approx(0.1 * 0.1)
+    # At the near left one those to the left and behind, and the robot came through no doorway.
+    assert cross[CONVEX_CORNER, 2] == pytest.approx(0.9)
+    assert cross[FLAT_WALL, 2] == pytest.approx(0.1)
+    l_left = presence_table()[DIRECTIONS.index(NORTH), SOUTH | WEST]
+    assert l_left[CONCAVE_CORNER, 1] == pytest.approx(0.1)
+    assert l_left[CONCAVE_CORNER, 7] == 1.0
+
+
+@pytest.mark.parametrize("count", [4, 8, 12])
+def test_a_doorway_opens_in_the_middle_of_a_side_all_the_same(count: int) -> None:
+    wedges = Wedges(count)
+    for (h, j, f, w), present in np.ndenumerate(presence_table(wedges)):
+        place = wedges.place(f, w)
+        if place is None or len(place.sides) < 2:
+            assert present == presence(j, DIRECTIONS[h], wedges)[f, w]
 
 
 # The same of an L to the left, with other numbers of wedges: with four, side and near corner are

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from bus.features import DOOR_JAMB, FLAT_WALL, OPENING, USUAL
 from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH, WEST
-from modules.classifier.geometry import JAMB_RATE, HeadingError, enterable, presence
+from modules.classifier.geometry import JAMB_RATE, HeadingError, enterable, presence_table
 from modules.classifier.likelihood import Reading, ReadingError, junction_likelihood
 from modules.classifier.sensor_model import SensorModel, shape_of
 
@@ -59,7 +59,7 @@ def test_equals_the_sum_over_x_of_each_reading(readings: list[Reading], heading:
     found = junction_likelihood(readings, heading, MODEL)
     for j in range(16):
         expected = float(enterable(heading)[j])
-        present = presence(j, heading)
+        present = presence_table()[DIRECTIONS.index(heading), j]
         for r in readings:
             f, w = USUAL.parts(r.detector)
             absent, there = MODEL.probability[f, w, :, r.evidence].tolist()

@@ -4,7 +4,16 @@ import math
 
 import pytest
 
-from bus.features import CONCAVE_CORNER, CONVEX_CORNER, FEATURES, OPENING, USUAL, Wedges
+from bus.features import (
+    CONCAVE_CORNER,
+    CONVEX_CORNER,
+    DOOR_JAMB,
+    FEATURES,
+    FLAT_WALL,
+    OPENING,
+    USUAL,
+    Wedges,
+)
 from modules.detectors.actions import Step, duration_s, ping_offsets_rad, plan
 from modules.detectors.views import DetectorError, view_of
 from scenarios.calibrate_detectors import CRAWL_M_S, PING_S, TURN_RAD_S, moved
@@ -17,17 +26,20 @@ def test_the_plan_for_the_opening_on_the_left_by_hand() -> None:
     degrees = math.radians
     steps = plan(OPENING, 1, 2.0)
     assert [step.kind for step in steps] == [
-        "drive", "turn", "ping", "turn", "ping", "turn", "ping", "turn", "ping", "turn", "drive",
+        "drive", "turn", "drive", "turn", "ping", "turn", "ping", "turn", "ping", "turn", "ping",
+        "turn", "drive", "turn", "drive",
     ]  # fmt: skip
-    expected = [1.0, degrees(87), 3, degrees(2), 3, degrees(2), 3, degrees(2), 3, degrees(-93), -1]
+    # To the vantage, faced left, 0.35 m nearer, and from there 3 degrees to each side.
+    sweep = [degrees(-3), 3, degrees(2), 3, degrees(2), 3, degrees(2), 3, degrees(-3)]
+    expected = [1.0, degrees(90), 0.35, *sweep, -0.35, degrees(-90), -1.0]
     assert [step.amount for step in steps] == pytest.approx(expected, abs=1e-12)
 
 
 def test_duration_by_hand() -> None:
-    # 1 m there and back: 2 / 0.085 = 23.529 s; turns 87 + 3 * 2 + 93 = 186 deg: 12.4 s;
-    # 12 pings: 11.52 s.
+    # 1.35 m there and back: 2.7 / 0.085 = 31.765 s; turns 90 + 3 + 3 * 2 + 3 + 90 = 192 deg:
+    # 12.8 s; 12 pings: 11.52 s.
     found = duration_s(plan(OPENING, 1, 2.0), CRAWL_M_S, TURN_RAD_S, PING_S)
-    assert found == pytest.approx(2 / 0.085 + 186 / 15 + 12 * 0.96, abs=1e-9)
+    assert found == pytest.approx(2.7 / 0.085 + 192 / 15 + 12 * 0.96, abs=1e-9)
 
 
 @pytest.mark.parametrize("width_m", [1.5, 1.8, 2.0, 2.2])
@@ -79,10 +91,18 @@ def test_with_other_wedges_each_detector_faces_the_place_it_is_about(count: int)
             assert plan(f, w, 2.0, wedges)[0] == Step("drive", view.vantage) or not view.vantage
 
 
+def test_only_sides_are_looked_into_from_nearer_by_hand() -> None:
+    assert view_of(OPENING, 1).approach == view_of(OPENING, 7).approach == 0.35
+    nearer = [(f, w) for f, w in DETECTORS if view_of(f, w).approach]
+    assert nearer == [(f, w) for f in (OPENING, FLAT_WALL, DOOR_JAMB) for w in (1, 7)]
+    ahead = plan(OPENING, 0, 2.0)
+    assert [step.amount for step in ahead if step.kind == "drive"] == [1.0, -1.0]
+
+
 def test_left_and_right_are_mirror_images() -> None:
     for f, w in DETECTORS:
         left, right = view_of(f, w), view_of(f, -w % USUAL.count)
-        assert left.vantage == right.vantage
+        assert (left.vantage, left.approach) == (right.vantage, right.approach)
         assert math.cos(left.facing_rad) == pytest.approx(math.cos(right.facing_rad))
         assert math.sin(left.facing_rad) == pytest.approx(-math.sin(right.facing_rad), abs=1e-12)
 

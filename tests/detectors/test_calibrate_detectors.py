@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from bus.features import DOOR_JAMB, Wedges
+from bus.features import DOOR_JAMB, FLAT_WALL, OPENING, Wedges
+from modules.classifier.geometry import JAMB_RATE
 from modules.classifier.sensor_model import load_sensor_model
 from scenarios.calibrate_detectors import (
     RING,
@@ -15,6 +16,7 @@ from scenarios.calibrate_detectors import (
     share_right,
     trial,
 )
+from scenarios.trial_junction import OPEN_SHARE
 from simworld.sonar import SonarRing
 
 
@@ -60,8 +62,13 @@ def test_other_trials_agree_with_the_shipped_model() -> None:
 
 def test_every_detector_is_right_in_most_trials() -> None:
     right = share_right(load_sensor_model())
-    assert np.nanmin(right[:DOOR_JAMB]) > 0.99
-    assert np.nanmin(right[DOOR_JAMB]) > 0.93
+    # A wall beside has a door at a rate of 0.2, and a tenth of doors stand open: the detectors
+    # take those for corridors, and no more than a hundredth besides.
+    assert np.nanmin(right[:DOOR_JAMB]) > 1 - JAMB_RATE * OPEN_SHARE - 0.01
+    assert np.nanmin(right[[OPENING, FLAT_WALL], 0]) > 0.99
+    # From 0.65 half widths away the jambs of a wide door are beside the view.
+    assert np.nanmin(right[DOOR_JAMB, [3, 5]]) > 0.9
+    assert np.nanmin(right[DOOR_JAMB, [1, 7]]) > 0.79
 
 
 def test_a_worse_ring_gives_a_worse_model() -> None:

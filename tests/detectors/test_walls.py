@@ -48,31 +48,64 @@ def test_noise_is_no_doorway_and_a_step_is() -> None:
 
 
 def test_a_doorway_by_hand() -> None:
-    assert Wall(1.0, (1.0,), PLAIN_M).doorway == pytest.approx(0.5)
+    assert Wall(1.0, (1.0,), PLAIN_M, 1.0).doorway == pytest.approx(0.5)
     # 26 nats for a residual e times as large, but never more than 4: 1 / (1 + exp(-4)).
-    assert Wall(1.0, (1.0,), math.e * PLAIN_M).doorway == pytest.approx(0.98201, abs=1e-5)
-    assert Wall(1.0, (1.0,), math.exp(0.1) * PLAIN_M).doorway == pytest.approx(
+    found = Wall(1.0, (1.0,), math.e * PLAIN_M, 1.0).doorway
+    assert found == pytest.approx(0.98201, abs=1e-5)
+    assert Wall(1.0, (1.0,), math.exp(0.1) * PLAIN_M, 1.0).doorway == pytest.approx(
         1 / (1 + math.exp(-2.6))
     )
     # A tenth of the cones silent: 1.8 nats.
-    assert Wall(1.0, (1.0, 0.9), PLAIN_M).doorway == pytest.approx(1 / (1 + math.exp(-1.8)))
+    assert Wall(1.0, (1.0, 0.9), PLAIN_M, 1.0).doorway == pytest.approx(1 / (1 + math.exp(-1.8)))
 
 
-def test_silence_in_the_middle_is_still_a_wall() -> None:
+def test_silence_in_the_middle_is_no_wall_whatever_answers_beside_it() -> None:
     pierced = _of_wall(1.0, 0.0)
     pierced[:, 0] = 4.0  # the far side of a room
     found = fit_wall(pierced, BEARINGS_RAD, 0.0, 1.0)
     assert found.share == pytest.approx(2 / 3)  # heading by heading, of 3 or 4 cones
+    assert found.ahead == 0.0
+    assert found.probability < 0.01
+
+
+def test_silence_beside_the_middle_is_still_a_wall() -> None:
+    pierced = _of_wall(1.0, 0.0)
+    pierced[:, 1] = 4.0
+    found = fit_wall(pierced, BEARINGS_RAD, 0.0, 1.0)
+    assert found.share == pytest.approx(2 / 3)
+    assert found.ahead == 1.0
     assert found.probability > 0.99
+
+
+@pytest.mark.parametrize(
+    ("silent", "ahead", "nats"), [(1, 0.75, 3.3), (2, 0.5, -2.2), (3, 0.25, -6.6)]
+)
+def test_a_wall_answers_ahead_at_nearly_every_heading(
+    silent: int, ahead: float, nats: float
+) -> None:
+    # As likely as not at 0.6 of the headings; 6.6 nats for 0.3 more or less, and never more.
+    pierced = _of_wall(1.0, 0.0)
+    pierced[: 3 * silent, 0] = np.nan
+    found = fit_wall(pierced, BEARINGS_RAD, 0.0, 1.0)
+    assert found.ahead == ahead
+    assert found.probability == pytest.approx(1 / (1 + math.exp(-nats)))
+
+
+def test_from_nearer_a_wall_is_nearer() -> None:
+    near, far = (_of_wall(distance_m, 0.0) for distance_m in (0.65, 1.3))
+    assert fit_wall(near, BEARINGS_RAD, 0.0, 1.0, 0.35).probability > 0.99
+    # 1.3 half widths are within a wall's ranges from the axis, but not 1.65.
+    assert fit_wall(far, BEARINGS_RAD, 0.0, 1.0).probability > 0.99
+    assert fit_wall(far, BEARINGS_RAD, 0.0, 1.0, 0.35).probability < 0.01
 
 
 def test_headings_that_disagree_leave_doubt_by_hand() -> None:
     sure = 1 / (1 + math.exp(-6.6))
     # Even at a quarter of the cones, sure a fifth above it or below; the fewest and the middle.
-    assert Wall(1.0, (1.0, 1.0, 1.0, 1.0), 0.01).probability == pytest.approx(sure)
-    assert Wall(1.0, (0.0, 1.0, 1.0, 1.0), 0.01).probability == pytest.approx(0.5)
-    assert Wall(1.0, (0.0, 0.0, 0.0, 1.0), 0.01).probability == pytest.approx(1 - sure)
-    assert Wall(1.0, (0.35, 0.35), 0.01).probability == pytest.approx(1 / (1 + math.exp(-3.3)))
+    assert Wall(1.0, (1.0, 1.0, 1.0, 1.0), 0.01, 1.0).probability == pytest.approx(sure)
+    assert Wall(1.0, (0.0, 1.0, 1.0, 1.0), 0.01, 1.0).probability == pytest.approx(0.5)
+    assert Wall(1.0, (0.0, 0.0, 0.0, 1.0), 0.01, 1.0).probability == pytest.approx(1 - sure)
+    assert Wall(1.0, (0.35, 0.35), 0.01, 1.0).probability == pytest.approx(1 / (1 + math.exp(-3.3)))
 
 
 def test_nothing_heard_is_no_wall() -> None:

@@ -30,26 +30,42 @@ from bus.wire import Sent
 Floats = NDArray[np.float64]
 OPENING, FLAT_WALL, CONVEX_CORNER, CONCAVE_CORNER, DOOR_JAMB = range(5)
 DOORS = 0.2
+DOORWAYS = 0.1
 
 
-def shows(feature: int, wedge: int, junction: int, heading: int) -> float:
+def shows(
+    feature: int, wedge: int, junction: int, heading: int, doorways: float = DOORWAYS
+) -> float:
     """Pr(X|J): whether a junction entered by a heading shows a feature in a wedge (paper, Fig. 3).
 
     Wedge 0 is ahead, then counter-clockwise every 45 degrees: 1 and 7 look at the middle of
     the sides (corners: at the far ones), 2 and 6 at the near corners, 3 to 5 at the corridor
-    the robot stands in. In a wall to the side there may be a door.
+    the robot stands in. In a wall to the side there may be a door. A corridor ahead or to the
+    side may begin with a doorway, with probability ``doorways``: it is open in its middle, and
+    its corners are as if the wall ran on.
     """
     ahead = bool(junction & heading)
     side = bool(junction & (LEFT_OF if wedge < 4 else RIGHT_OF)[heading])
+    if wedge in (1, 2, 6, 7) and feature in (CONVEX_CORNER, CONCAVE_CORNER):
+        return _corner(feature, wedge, (1.0 - doorways) * side, (1.0 - doorways) * ahead)
     if feature == OPENING:
         return {0: ahead, 1: side, 7: side, 4: True}.get(wedge, False)
     if feature == FLAT_WALL:
-        return {0: not ahead, 3: True, 4: False, 5: True}.get(wedge, not side)
-    if feature == CONCAVE_CORNER:
-        return wedge in (1, 7) and not side and not ahead
+        runs_on = 1.0 - (1.0 - doorways) * side
+        return {0: not ahead, 2: runs_on, 6: runs_on, 3: True, 4: False, 5: True}.get(
+            wedge, not side
+        )
     if feature == DOOR_JAMB:
         return DOORS * {1: not side, 7: not side, 3: True, 5: True}.get(wedge, False)
-    return {2: side, 6: side, 1: side and ahead, 7: side and ahead}.get(wedge, False)
+    return False
+
+
+def _corner(feature: int, wedge: int, side: float, ahead: float) -> float:
+    """Pr(X|J) of a corner, by how probably each wall ends there as a corridor's."""
+    near = wedge in (2, 6)
+    if feature == CONCAVE_CORNER:
+        return 0.0 if near else (1.0 - side) * (1.0 - ahead)
+    return side if near else side * ahead
 
 
 def bits_at(maps: Maps, grid: Grid, place: int) -> NDArray[np.int64]:
@@ -187,7 +203,8 @@ class Walk:
     def _count_if_wrong(self, said: Reading) -> None:
         assert self.truth is not None
         junction = int(bits_at(self.truth[None], self.joint.grid, self.place)[0])
-        holds = shows(said.feature, said.wedge, junction, self.heading) == 1.0  # no doors here
+        # there are neither doors nor doorways here
+        holds = shows(said.feature, said.wedge, junction, self.heading, doorways=0.0) == 1.0
         self.errors += holds != (said.evidence >= 2)
 
 

@@ -22,7 +22,7 @@ from logs.first_difference import Comparison, compare_logs
 from logs.run_log import RunLog
 from tests.scenarios.runs import LITTLE, everything_said, scenario_of
 
-MESSAGES = 500
+MESSAGES = 750
 """The beginning of a run: driving, sensing, all that is decided for a first junction."""
 
 LAST = 50

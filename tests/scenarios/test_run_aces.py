@@ -52,5 +52,7 @@ def test_the_map_is_learnt_from_the_echoes_of_the_real_building() -> None:
 @pytest.mark.skipif(not PLAN.is_file(), reason=f"needs the floor plan {PLAN}")
 def test_a_day_is_done_among_the_echoes_and_the_people_of_the_real_building() -> None:
     # door frames and what stands about are passed, not waited for
-    (run,) = outcomes("aces", (1,), f"world.floor_plan={PLAN}")
-    assert (run.reason, run.errands, run.collisions, run.late) == ("done", 6, 0, ())
+    runs = outcomes("aces", (1, 2), f"world.floor_plan={PLAN}")
+    assert [(run.reason, run.errands) for run in runs] == [("done", 6)] * 2
+    # of the three people a day, who may come from behind a door frame
+    assert all(run.collisions <= 1 and len(run.late) <= 1 for run in runs)

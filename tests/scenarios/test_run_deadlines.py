@@ -42,7 +42,8 @@ from tests.scenarios.runs import (
 HOP_NS = 100_000
 SECOND_NS = 1_000_000_000
 FIRST_DRIVE_NS = math.ceil(6.0 / 0.085 * 1e9)
-"""The robot begins 6 m before the port of the first LDP."""
+"""The robot begins 6 m before the port of the first LDP, and is due there after so long. It finds
+the port by its echoes, a little before or beyond."""
 
 PATIENCE_NS = 600 * SECOND_NS
 """How long a robot stands before its day is given up (`world.patience_s` as it is)."""
@@ -71,6 +72,19 @@ def ending(said: Run) -> tuple[str, int]:
         (s.message.reason, s.said_ns) for s in said if isinstance(s.message, RunEnded)
     )
     return reason, at_ns
+
+
+def came_ns(said: Run, visit: int) -> int:
+    """When the robot was at the LDP of a visit."""
+    (at_ns,) = (
+        s.said_ns for s in said if isinstance(s.message, Arrival) and s.message.visit == visit
+    )
+    return at_ns
+
+
+def stood_ns(said: Run, entry: LedgerEntry) -> int:
+    """How long the robot stood for a late first decision: it stands when it is there."""
+    return max(0, entry.decided_ns - max(entry.until_ns, came_ns(said, entry.visit)))
 
 
 def takes_ns(motion: Motion) -> int:
@@ -123,7 +137,7 @@ def test_the_first_sensing_decision_waits_for_the_prior() -> None:
     first = late(said, "sensing")[0]
     assert first.visit == 0
     assert -first.slack_ns == 3 * HOP_NS + 100 * SECOND_NS - FIRST_DRIVE_NS
-    assert first.idle_ns == -first.slack_ns
+    assert first.idle_ns == stood_ns(said, first) > 0
     assert first.cause == "overrun"
 
 
@@ -131,9 +145,23 @@ def test_the_first_sensing_decision_waits_for_the_prior() -> None:
 def test_what_is_heard_at_the_very_deadline_is_in_time(beyond_ns: int) -> None:
     slow_s = (FIRST_DRIVE_NS - 3 * HOP_NS + beyond_ns) / 1e9
     scenario = slowed(compute__slower={"sensing": slow_s}, world__until_s=300)
-    first = next(e for e in of_kind(everything_said(scenario), LedgerEntry) if e.kind == "sensing")
+    said = everything_said(scenario)
+    first = next(e for e in of_kind(said, LedgerEntry) if e.kind == "sensing")
     assert first.slack_ns == -beyond_ns
-    assert (first.cause, first.idle_ns) == (("overrun", 1) if beyond_ns > 0 else ("", 0))
+    assert first.cause == ("overrun" if beyond_ns > 0 else "")
+    assert first.idle_ns == stood_ns(said, first)
+
+
+@pytest.mark.parametrize("beyond_ns", [-1, 0, 1])
+def test_a_robot_that_is_still_under_way_at_the_deadline_stands_for_nobody(beyond_ns: int) -> None:
+    # it goes on beyond where the port was expected, so that it comes after the deadline
+    came = came_ns(everything_said(slowed(world__until_s=100)), 0)
+    assert came > FIRST_DRIVE_NS
+    slow_s = (came - 3 * HOP_NS + beyond_ns) / 1e9
+    said = everything_said(slowed(compute__slower={"sensing": slow_s}, world__until_s=300))
+    first = late(said, "sensing")[0]
+    assert first.decided_ns == came + beyond_ns
+    assert (first.cause, first.idle_ns) == ("overrun", max(0, beyond_ns))
 
 
 def test_a_slow_path_decision_is_late_by_what_it_took_less_the_drive() -> None:
@@ -175,7 +203,7 @@ def test_a_slow_geographer_makes_the_decisions_that_wait_for_it_late() -> None:
         assert first.cause == "late input"
         assert -first.slack_ns == 3 * HOP_NS + 300 * SECOND_NS - FIRST_DRIVE_NS
     sensing = next(e for e in late(said, "sensing") if e.visit == 0)
-    assert sensing.idle_ns == -sensing.slack_ns
+    assert sensing.idle_ns == stood_ns(said, sensing) > 0
     # both came at once: the robot stood for want of the first, and no time counts twice
     assert next(e for e in late(said, "path") if e.visit == 0).idle_ns == 0
     assert {e.cause for e in of_kind(said, LedgerEntry)} <= {"", "late input"}
