@@ -106,15 +106,14 @@ class SensingJudge:
         free = int(problem.free.sum())
         self._cells = {
             ahead: problem.cells_of_beliefs
-            + len(problem.belief) * most_cells(free, ahead, EVIDENCE_CLASSES, types, types)
+            + len(problem.belief) * most_cells(free, ahead, EVIDENCE_CLASSES, types + 1, types)
             for ahead in LOOK_AHEAD
         }
 
     def _judged(self, outcome: int) -> NDArray[np.float64]:
         """What each first test saves by the longest plans, and nothing for stopping."""
         p = self._problem
-        belief = p.belief[outcome, p.entered]
-        found = worth(belief, p.regret_s, p.detectors, p.barred, LOOK_AHEAD[-1])
+        found = worth(p.states[outcome], p.regret_s, p.detectors[outcome], p.barred, LOOK_AHEAD[-1])
         return np.append(found.saved_s, 0.0)
 
     def fixed(self, cells: int) -> Answered:

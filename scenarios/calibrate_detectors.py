@@ -42,6 +42,7 @@ TURN_RAD_S = math.radians(15.0)
 PING_S = 0.96
 
 WIDTHS_M = (1.8, 2.2)
+ALONG_M = 0.1
 LATERAL_M = 0.1
 HEADING_RAD = math.radians(4.0)
 """Trials are uniform over these widths, and to both sides over these errors at the port."""
@@ -191,6 +192,7 @@ def trial(rng: np.random.Generator, ring: SonarRing, wedges: Wedges = USUAL) -> 
         heading,
         lateral_m=float(rng.uniform(-LATERAL_M, LATERAL_M)),
         askew_rad=float(rng.uniform(-HEADING_RAD, HEADING_RAD)),
+        along_m=float(rng.uniform(-ALONG_M, ALONG_M)),
     )
     tally = empty_tally(wedges)
     offsets_rad = np.array(ping_offsets_rad())

@@ -72,10 +72,15 @@ def doorway(place: Place, heading: int, width_m: float, rng: np.random.Generator
     )
 
 
-def at_port(building: Building, heading: int, lateral_m: float, askew_rad: float) -> Pose:
-    """On the port line, ``lateral_m`` to the left of the axis, turned ``askew_rad`` to the left."""
+def at_port(
+    building: Building, heading: int, lateral_m: float, askew_rad: float, along_m: float = 0.0
+) -> Pose:
+    """``along_m`` beyond the port line, ``lateral_m`` to the left of the axis, turned to the left.
+
+    ``askew_rad`` is how far it is turned.
+    """
     axis = _HEADING_RAD[heading]
-    back_m = -building.corridor_width_m / 2
+    back_m = along_m - building.corridor_width_m / 2
     return Pose(
         back_m * math.cos(axis) - lateral_m * math.sin(axis),
         back_m * math.sin(axis) + lateral_m * math.cos(axis),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,12 +70,19 @@ class Expected:
 class Stop:
     """Where the robot stands, and how far it went beyond and came back, looking in vain.
 
-    ``by`` is what it stopped by: ``wall ends``, ``wall ahead`` or ``wheels``.
+    ``by`` is what it stopped by: ``wall ends``, ``wall ahead`` or ``wheels``; ``expected`` where
+    its wheels say that the port is, from here.
     """
 
     pose: Pose
     beyond_m: float
     by: str
+    expected: Expected
+
+    @property
+    def sure(self) -> bool:
+        """Whether a wall ends here, about where the wheels say that it should."""
+        return self.by == "wall ends" and self.expected.off_m(0.0) <= self.expected.sigma_m
 
 
 @dataclass
@@ -168,4 +175,4 @@ def approach(begins: Pose, expected: Expected, ears: Ears, listen: Listen, move:
     at_m, by = found or (expected.way_m, "wheels")
     back_m = at_m - count.x_m
     pose = move(pose, back_m, -place.askew_rad)
-    return Stop(pose, max(0.0, -back_m), by)
+    return Stop(pose, max(0.0, -back_m), by, replace(expected, way_m=expected.way_m - at_m))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
+from simworld.abeam import look_abeam
 from simworld.approach import GATE, LOOKS_FROM_M, Expected, Stop, approach
 from simworld.building import Building
 from simworld.crossing import crossing_m
@@ -78,6 +79,7 @@ class Body:
         self._distance_m = 0.0
         self._turned_rad = 0.0
         self._at_port = self.pose
+        self._unsure: Expected | None = None
 
     def takes_ns(self, step: Primitive) -> int:
         """How long a primitive of motion takes."""
@@ -101,6 +103,21 @@ class Body:
     def arrive(self, stop: Stop) -> None:
         """Stand where an approach ended."""
         self.pose = self._at_port = stop.pose
+        self._unsure = None if stop.sure else stop.expected
+
+    def find_doorway(self) -> float:
+        """Where the approach could not tell the port, look for a doorway beside the junction.
+
+        Stands at its port then, if there is one. Returns how far the robot drove on for it, and
+        came back.
+        """
+        expected, self._unsure = self._unsure, None
+        if expected is None:
+            return 0.0
+        abeam = look_abeam(self.pose, expected, self._ears, self._listen, self._slipped)
+        port_m = abeam.port_m or 0.0
+        self.pose = self._at_port = self._slipped(abeam.pose, port_m - abeam.driven_m, 0.0)
+        return abeam.driven_m
 
     def back_at_port(self) -> None:
         """Be back where the approach ended, or near."""

@@ -205,12 +205,21 @@ class Robot:
         outcome, action = 0, 0
         while decision.next_detector[outcome] != STOP:
             motion: Motion = yield from self._await("motion", self.visit, action)
+            if action == 0:
+                yield from self._find_doorway()
             action = motion.action
             yield from self._sense(motion)
             reading = yield from self._await("reading", action)
             decision = yield from self._await("sensing", self.visit, action)
             outcome = reading.evidence
         return int(decision.concluded[outcome])
+
+    def _find_doorway(self) -> Steps:
+        """Before the first look around, stand where the walls say that the port is."""
+        self._moves()
+        out_m = self._body.find_doorway()
+        if out_m > 0.0:
+            yield self._env.timeout(2 * self._body.takes_ns(Drive(out_m)))
 
     def _sense(self, motion: Motion) -> Steps:
         """Carry out the steps of a sensing action, having asked what to do after it."""

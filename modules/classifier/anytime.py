@@ -56,10 +56,10 @@ def refine(problem: Problem, cells: int, most: int = LOOK_AHEAD[-1]) -> Refined:
 
 def _open(problem: Problem) -> list[int]:
     """The outcomes after which a test may be worth its time, the most probable first."""
-    seconds = problem.detectors.seconds[problem.free]
+    seconds = problem.detectors[0].seconds[problem.free]
     if not len(seconds):
         return []
-    wrong_s = (problem.belief[:, None, problem.entered] * problem.regret_s).sum(axis=2).min(axis=1)
+    wrong_s = problem.expected_s.min(axis=1)
     order = np.argsort(-problem.chance, kind="stable").tolist()
     return [outcome for outcome in order if wrong_s[outcome] > seconds.min()]
 
@@ -72,4 +72,4 @@ def _finished(steps: list[tuple[int, int]]) -> WhyStopped:
 def _cells_of_step(problem: Problem, look_ahead: int) -> int:
     """The most cells that one outcome's plans can touch."""
     types = int(problem.entered.sum())
-    return most_cells(int(problem.free.sum()), look_ahead, EVIDENCE_CLASSES, types, types)
+    return most_cells(int(problem.free.sum()), look_ahead, EVIDENCE_CLASSES, types + 1, types)

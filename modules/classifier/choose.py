@@ -17,13 +17,15 @@ from numpy.typing import NDArray
 
 from bus.features import Wedges
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
-from modules.classifier.geometry import enterable, heading_number
+from modules.classifier.geometry import enterable, heading_number, layouts
 from modules.classifier.likelihood import (
+    STATES,
     Reading,
     ReadingError,
+    by_type,
     check_detector,
     check_readings,
-    junction_likelihood,
+    visit_likelihood,
 )
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 from modules.classifier.worth import (
@@ -103,29 +105,39 @@ class Problem:
     """What a choice rests on, made once for all outcomes of the running detector.
 
     ``belief`` as in :class:`Choice` and ``chance``, (outcomes,), the probability of each outcome;
-    ``entered`` (16,) the types with the corridor behind, ``regret_s`` by two of them what a
-    conclusion costs more than the best; ``codes`` names the rows of ``detectors``, ``barred`` has
-    a bit for each that is used up; ``readings`` is how many there are.
+    ``entered`` (16,) the types with the corridor behind. ``states``, (outcomes, types + 1), are the
+    probabilities of those with the visit as it should be, and last of a visit gone astray, which
+    says nothing of the type; ``regret_s``, (types, types + 1), what a conclusion costs more than
+    the best in each of these states. ``codes`` names the rows of ``detectors``, which are one for
+    each outcome: what readings tell depends on the doorways that are likely by then. ``barred`` has
+    a bit for each detector that is used up; ``readings`` is how many there are.
     """
 
     belief: NDArray[np.float64]
+    states: NDArray[np.float64]
     chance: NDArray[np.float64]
     entered: NDArray[np.bool_]
     regret_s: NDArray[np.float64]
     codes: NDArray[np.int64]
-    detectors: Detectors
+    detectors: tuple[Detectors, ...]
     barred: int
     readings: int
 
     def best(self, outcome: int, look_ahead: int) -> Best:
         """The best next test after an outcome, by plans of at most so many tests."""
-        belief = self.belief[outcome, self.entered]
-        return best_test(belief, self.regret_s, self.detectors, self.barred, look_ahead)
+        return best_test(
+            self.states[outcome], self.regret_s, self.detectors[outcome], self.barred, look_ahead
+        )
+
+    @property
+    def expected_s(self) -> NDArray[np.float64]:
+        """What each conclusion costs after each outcome: (outcomes, conclusions)."""
+        found: NDArray[np.float64] = (self.states[:, None, :] * self.regret_s).sum(axis=2)
+        return found
 
     def choice(self, found: Sequence[Best], look_ahead: int) -> Choice:
         """What was found for each outcome, told by detector codes and types."""
-        expected_s = (self.belief[:, None, self.entered] * self.regret_s).sum(axis=2)
-        concluded = np.round(expected_s, DECIMALS).argmin(axis=1)
+        concluded = np.round(self.expected_s, DECIMALS).argmin(axis=1)
         return Choice(
             next_detector=np.append(self.codes, STOP)[[best.row for best in found]],
             concluded_type=np.flatnonzero(self.entered)[concluded],
@@ -137,8 +149,8 @@ class Problem:
 
     @property
     def cells_of_beliefs(self) -> int:
-        """Table entries touched to find the belief after each outcome."""
-        return _cells_of_beliefs(self.readings, len(self.belief))
+        """Table entries touched to find the beliefs after each outcome, and what is told then."""
+        return _cells_of_beliefs(self.readings, len(self.belief), len(self.codes))
 
     @property
     def free(self) -> NDArray[np.bool_]:
@@ -156,21 +168,40 @@ def problem_of(
 ) -> Problem:
     """The problem of a choice; arguments and errors as for :func:`choose`."""
     used = _used(readings, running, model.wedges)
-    belief, chance = _beliefs(prior, readings, running, heading, model)
+    joint = _joint(prior, readings, running, heading, model)
+    chance = joint.sum(axis=1)
+    if not (chance > 0).all():
+        raise PriorError(
+            f"the prior {prior.tolist()} gives no weight to any type that can be entered "
+            f"with heading {heading}"
+        )
     _check_cost(cost_s)
     entered = enterable(heading)
-    cost_entered_s = cost_s[np.ix_(entered, entered)]
-    codes, detectors = model.informative[heading_number(heading)]
+    before = prior * entered / prior[entered].sum()
+    states = joint / chance[:, None]
+    types, astray = by_type(states[:, :-1], heading), states[:, -1:]
+    codes, searched = model.informative[heading_number(heading)]
+    given = model.class_given_state[heading_number(heading), codes]
     return Problem(
-        belief=belief,
-        chance=chance,
+        belief=types + astray * before,
+        states=np.column_stack([types[:, entered], astray]),
+        chance=chance / chance.sum(),
         entered=entered,
-        regret_s=cost_entered_s - cost_entered_s.min(axis=0),
+        regret_s=_regret_s(cost_s[np.ix_(entered, entered)], before[entered]),
         codes=codes,
-        detectors=detectors,
+        detectors=tuple(
+            _told(given, searched.seconds, weights, heading) for weights in states[:, :-1]
+        ),
         barred=sum(1 << k for k, code in enumerate(codes.tolist()) if code in used),
         readings=len(readings),
     )
+
+
+def _regret_s(cost_s: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a conclusion costs more than the best for a type, and for nothing but its prior."""
+    regret_s = cost_s - cost_s.min(axis=0)
+    astray_s = regret_s @ before
+    return np.column_stack([regret_s, astray_s - astray_s.min()])
 
 
 def cells_before(
@@ -186,8 +217,8 @@ def cells_before(
     free = sum(code not in used for code in codes.tolist())
     outcomes = 1 if running is None else EVIDENCE_CLASSES
     types = int(enterable(heading).sum())
-    plans = most_cells(free, ahead, EVIDENCE_CLASSES, types, types)
-    return _cells_of_beliefs(len(readings), outcomes) + outcomes * plans
+    plans = most_cells(free, ahead, EVIDENCE_CLASSES, types + 1, types)
+    return _cells_of_beliefs(len(readings), outcomes, len(codes)) + outcomes * plans
 
 
 def look_ahead_within(
@@ -216,8 +247,9 @@ def rehearse(model: SensorModel) -> None:
     choose(uniform, [], None, DIRECTIONS[0], model, flat_cost_s(), LOOK_AHEAD[0])
 
 
-def _cells_of_beliefs(readings: int, outcomes: int) -> int:
-    return JUNCTION_TYPES * (readings + outcomes)
+def _cells_of_beliefs(readings: int, outcomes: int, searched: int) -> int:
+    """One for each layout, of each reading and outcome, and of what is told after each."""
+    return STATES * (readings + outcomes + outcomes * searched * EVIDENCE_CLASSES)
 
 
 def _used(readings: Sequence[Reading], running: int | None, wedges: Wedges) -> list[int]:
@@ -244,27 +276,44 @@ def _check_look_ahead(look_ahead: int) -> None:
         raise CostError(f"plans hold one of {LOOK_AHEAD} tests at most, got {look_ahead}")
 
 
-def _beliefs(
+def _joint(
     prior: NDArray[np.float64],
     readings: Sequence[Reading],
     running: int | None,
     heading: int,
     model: SensorModel,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """P(J|prior, readings, outcome) for every outcome of the running detector: (outcomes, 16).
+) -> NDArray[np.float64]:
+    """P(layout or astray, readings, outcome) for every outcome of the running detector.
 
-    With the probability of each outcome, (outcomes,).
+    (outcomes, layouts + 1), times the prior's scale.
     """
     if prior.shape != (JUNCTION_TYPES,) or not (prior >= 0).all() or not np.isfinite(prior).all():
         raise PriorError(f"a prior is {JUNCTION_TYPES} finite numbers >= 0, got {prior!r}")
-    joint = (prior * junction_likelihood(readings, heading, model))[None, :]
+    before = [prior[layout.type] for layout in layouts(heading)]
+    weights = np.append(before, prior[enterable(heading)].sum())
+    joint = (weights * visit_likelihood(readings, heading, model))[None, :]
     if running is not None:
-        joint = joint * model.class_given_type[heading_number(heading), running].T
-    evidence = joint.sum(axis=1, keepdims=True)
-    if not (evidence > 0).all():
-        raise PriorError(
-            f"the prior {prior.tolist()} gives no weight to any type that can be entered "
-            f"with heading {heading}"
-        )
-    belief: NDArray[np.float64] = joint / evidence
-    return belief, evidence[:, 0] / evidence.sum()
+        joint = joint * model.class_given_state[heading_number(heading), running].T
+    return joint
+
+
+def _told(
+    given: NDArray[np.float64],
+    seconds: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    heading: int,
+) -> Detectors:
+    """What readings tell of the type, doorways being as likely as by now.
+
+    ``given`` is P(class|layout or astray), (detectors, layouts + 1, classes), ``weights``,
+    (layouts,), what the layouts weigh. So the next reading is reckoned exactly; those that follow
+    it in a plan are taken to be independent of it given the type.
+    """
+    types = by_type(np.eye(len(weights)), heading)[:, enterable(heading)]
+    of_type = types * weights[:, None]
+    sums = of_type.sum(axis=0)
+    # What is told of a type that cannot be does not matter.
+    shares = np.divide(of_type, sums, out=types / types.sum(axis=0), where=sums > 0)
+    told = np.einsum("dkc,kj->dcj", given[:, :-1], shares)
+    table = np.concatenate([told, given[:, -1, :, None]], axis=2)
+    return Detectors(np.ascontiguousarray(table), seconds)

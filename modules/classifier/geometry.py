@@ -8,9 +8,8 @@ The walls behind are beyond the junction itself, in the corridor that the robot 
 
 from __future__ import annotations
 
-import math
+from dataclasses import dataclass
 from functools import cache
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,31 +59,61 @@ def presence(junction_type: int, heading: int, wedges: Wedges = USUAL) -> NDArra
     return found
 
 
+@dataclass(frozen=True)
+class Layout:
+    """A junction's type, and which of its ways begin with a doorway: direction bits both."""
+
+    type: int
+    doorways: int
+
+
+@cache
+def layouts(heading: int) -> tuple[Layout, ...]:
+    """All that a robot with this heading may come to, 27, by type: it came through no doorway.
+
+    Raises HeadingError.
+    """
+    return tuple(
+        Layout(junction_type, doorways)
+        for junction_type in np.flatnonzero(enterable(heading)).tolist()
+        for doorways in range(JUNCTION_TYPES)
+        if doorways & (junction_type & ~OPPOSITE[heading]) == doorways
+    )
+
+
+def share(layout: Layout, heading: int) -> float:
+    """Pr(doorways|type): each of the ways ahead and beside has one or not."""
+    ways = (layout.type & ~OPPOSITE[heading]).bit_count()
+    doors = layout.doorways.bit_count()
+    return float(DOORWAY_RATE**doors * (1.0 - DOORWAY_RATE) ** (ways - doors))
+
+
+def shown(layout: Layout, heading: int, wedges: Wedges = USUAL) -> NDArray[np.float64]:
+    """Pr(X_{f,w}=1|layout): (features, wedges).
+
+    Beside a doorway walls run on at the corners; in the middle of its side there is an opening.
+    """
+    open_sides = presence(layout.type, heading, wedges)
+    walls_run_on = presence(layout.type & ~layout.doorways, heading, wedges)
+    places = [wedges.place(feature, wedge) for feature, wedge in np.ndindex(open_sides.shape)]
+    corner = np.array([place is not None and len(place.sides) > 1 for place in places])
+    return np.where(corner.reshape(open_sides.shape), walls_run_on, open_sides)
+
+
 @cache
 def presence_table(wedges: Wedges = USUAL) -> NDArray[np.float64]:
     """Pr(X=1|J) for every heading and type: (headings N E S W, types, features, wedges).
 
-    As :func:`presence` has it, but for corners of corridors that may have doorways.
+    Summed over the layouts of each type. Features at corners beside the same way are not
+    independent given the type: a doorway tells of all of them.
     """
-    table = np.array(
-        [[_with_doorways(j, h, wedges) for j in range(JUNCTION_TYPES)] for h in DIRECTIONS]
-    )
+    table = np.zeros((len(DIRECTIONS), JUNCTION_TYPES, len(FEATURES), wedges.count))
+    for number, heading in enumerate(DIRECTIONS):
+        for layout in layouts(heading):
+            seen = shown(layout, heading, wedges)
+            table[number, layout.type] += share(layout, heading) * seen
     table.flags.writeable = False
     return table
-
-
-def _with_doorways(junction_type: int, heading: int, wedges: Wedges) -> NDArray[np.float64]:
-    """Pr(X=1|J), summed over which of the corridors ahead and beside have doorways."""
-    certain = presence(junction_type, heading, wedges)
-    ways = [d for d in DIRECTIONS if junction_type & d and d != OPPOSITE[heading]]
-    summed = np.zeros_like(certain)
-    for doors in product((False, True), repeat=len(ways)):
-        walls = sum(d for d, door in zip(ways, doors, strict=True) if door)
-        share = math.prod(DOORWAY_RATE if door else 1 - DOORWAY_RATE for door in doors)
-        summed += share * presence(junction_type & ~walls, heading, wedges)
-    places = (wedges.place(feature, wedge) for feature, wedge in np.ndindex(certain.shape))
-    at_corner = np.array([place is not None and len(place.sides) > 1 for place in places])
-    return np.where(at_corner.reshape(certain.shape), summed, certain)
 
 
 def enterable(heading: int) -> NDArray[np.bool_]:

@@ -35,7 +35,7 @@ from modules.classifier.choose import (
     look_ahead_within,
     rehearse,
 )
-from modules.classifier.likelihood import Reading, junction_likelihood
+from modules.classifier.likelihood import STATES, Reading, junction_likelihood
 from modules.classifier.sensor_model import SHIPPED, SensorModel, load_sensor_model
 from modules.classifier.settings import Settings
 from modules.classifier.worth import LOOK_AHEAD
@@ -194,7 +194,7 @@ class Classifier:
         self._branch = ()
 
     def _say_likelihood(self, turn: Turn, *, finished: bool) -> None:
-        turn.work("reading", 16 * (1 + len(self._readings)))
+        turn.work("reading", STATES * (1 + len(self._readings)))
         likelihood = junction_likelihood(self._readings, self._heading, self._model)
         turn.say(
             JunctionLikelihood(self._visit, likelihood, len(self._readings), finished),

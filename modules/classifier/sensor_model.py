@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from bus.features import FEATURES, WedgeError, Wedges
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
-from modules.classifier.geometry import enterable, presence_table
+from modules.classifier.geometry import enterable, layouts, share, shown
 from modules.classifier.worth import Detectors
 
 VERSION = 3
@@ -29,6 +29,11 @@ EVIDENCE_CLASSES = 4
 LEAST_TOLD = 0.2
 """A detector is worth the search of a plan if it tells this share of what the best one tells. With
 the shipped model the others tell less than an eighth of it, or nothing, the rest more than half."""
+
+ASTRAY = 0.01
+"""Pr(a visit goes astray): the robot stands elsewhere than it thinks, and all that it reads is of
+some other place. Assumption: among the echoes of the SRI K-wing one look in sixty at an open side
+is sure that it is closed, nearly all of them at a few doorways; among those of ACES none is."""
 
 NO_BITS = 1e-9
 """Less is the rounding of nothing."""
@@ -49,7 +54,8 @@ class SensorModelError(ValueError):
 class SensorModel:
     """Counts of evidence classes by the truth of X, and how long each detector takes.
 
-    ``counts`` is (features, wedges, X, classes), ``durations_s`` is (features, wedges).
+    ``counts`` is (features, wedges, X, classes), ``durations_s`` is (features, wedges), ``astray``
+    the probability that a visit is not where the robot thinks.
     Raises SensorModelError for other shapes, negative counts or durations that are not positive,
     WedgeError for a number of wedges that cannot be.
     """
@@ -58,6 +64,7 @@ class SensorModel:
     durations_s: NDArray[np.float64]
     ring: Mapping[str, float]
     made_by: str
+    astray: float = ASTRAY
 
     def __post_init__(self) -> None:
         shape = shape_of(self.wedges)
@@ -107,18 +114,43 @@ class SensorModel:
         return self.durations_s.ravel()
 
     @cached_property
+    def class_given_layout(self) -> NDArray[np.float64]:
+        """P(S=class|layout), X summed out: (headings N E S W, detectors, layouts, classes)."""
+        by_truth = self.probability.reshape(-1, 2, EVIDENCE_CLASSES)
+        absent, there = (by_truth[None, :, None, x] for x in (0, 1))
+        holds = np.array(
+            [
+                [shown(layout, heading, self.wedges).ravel() for layout in layouts(heading)]
+                for heading in DIRECTIONS
+            ]
+        ).transpose(0, 2, 1)[..., None]
+        table: NDArray[np.float64] = (1.0 - holds) * absent + holds * there
+        return table
+
+    @cached_property
     def class_given_type(self) -> NDArray[np.float64]:
-        """P(S=class|J), X summed out: (headings N E S W, detectors, types, classes).
+        """P(S=class|J), layouts summed out: (headings N E S W, detectors, types, classes).
 
         Rows of types that a heading cannot enter are zero.
         """
-        present = presence_table(self.wedges).reshape(len(DIRECTIONS), JUNCTION_TYPES, -1)
-        holds = present.transpose(0, 2, 1)[..., None]
-        by_truth = self.probability.reshape(-1, 2, EVIDENCE_CLASSES)
-        absent, there = (by_truth[None, :, None, x] for x in (0, 1))
-        table: NDArray[np.float64] = (1.0 - holds) * absent + holds * there
-        entered = np.array([enterable(heading) for heading in DIRECTIONS])
-        return np.where(entered[:, None, :, None], table, 0.0)
+        detectors = self.wedges.detectors
+        table = np.zeros((len(DIRECTIONS), detectors, JUNCTION_TYPES, EVIDENCE_CLASSES))
+        for number, heading in enumerate(DIRECTIONS):
+            for k, layout in enumerate(layouts(heading)):
+                seen = self.class_given_layout[number, :, k]
+                table[number, :, layout.type] += share(layout, heading) * seen
+        return table
+
+    @cached_property
+    def class_given_state(self) -> NDArray[np.float64]:
+        """P(S=class|layout), last P(S=class|astray): (headings, detectors, layouts + 1, classes).
+
+        A detector whose visit has gone astray looks at some other place: it reads as at any type
+        that can be entered.
+        """
+        entered = np.array([enterable(heading).sum() for heading in DIRECTIONS])
+        astray = self.class_given_type.sum(axis=2) / entered[:, None, None]
+        return np.concatenate([self.class_given_layout, astray[:, :, None, :]], axis=2)
 
     @cached_property
     def informative(self) -> tuple[tuple[NDArray[np.int64], Detectors], ...]:

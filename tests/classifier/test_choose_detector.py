@@ -142,7 +142,7 @@ def test_a_test_is_worth_nothing_where_one_reading_cannot_overturn_the_conclusio
     # 0.9 for one type. Readings of accuracy 0.7: one against it leaves it the most probable
     # (0.9 * 0.3 > 0.1 * 0.7), so one test saves nothing, but two of them may overturn it.
     counts = np.broadcast_to(np.array([(7000, 0, 0, 3000), (3000, 0, 0, 7000)]), SHAPE)
-    model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test")
+    model = SensorModel(counts, np.ones(SHAPE[:2]), {}, "a test", astray=0.0)
     prior = np.zeros(16)
     # Openings and walls, ahead and to the left: four detectors tell them apart for sure.
     prior[[SOUTH, SOUTH | NORTH | WEST]] = 0.1, 0.9
@@ -204,7 +204,7 @@ def test_a_certain_prior_stops_at_once(ahead: int) -> None:
 def test_stops_where_no_detector_is_worth_its_time() -> None:
     # 0.5 for a dead end, 0.5 for a corridor: perfect readings save half the cost of a mistake.
     counts = np.broadcast_to(np.array([(10**9, 0, 0, 0), (0, 0, 0, 10**9)]), SHAPE)
-    model = SensorModel(counts, np.full(SHAPE[:2], 40.0), {}, "a test")
+    model = SensorModel(counts, np.full(SHAPE[:2], 40.0), {}, "a test", astray=0.0)
     prior = np.zeros(16)
     prior[[SOUTH, NORTH | SOUTH]] = 0.5
     tests, stops = (
@@ -219,7 +219,7 @@ def test_two_tests_may_be_worth_what_neither_is_alone() -> None:
     # Ahead and left open or not, each at even odds. Concluding now costs 0.75 * 120 = 90 s, after
     # one perfect test 40 + 0.5 * 120 = 100 s, after two 80 s.
     counts = np.broadcast_to(np.array([(10**9, 0, 0, 0), (0, 0, 0, 10**9)]), SHAPE)
-    model = SensorModel(counts, np.full(SHAPE[:2], 40.0), {}, "a test")
+    model = SensorModel(counts, np.full(SHAPE[:2], 40.0), {}, "a test", astray=0.0)
     prior = np.zeros(16)
     prior[[SOUTH, NORTH | SOUTH, SOUTH | WEST, NORTH | SOUTH | WEST]] = 0.25
     worth_s = [
@@ -258,13 +258,16 @@ def test_bits_repeat_and_do_not_depend_on_the_priors_scale_for_the_choice() -> N
 
 
 def test_the_most_cells_are_known_before() -> None:
-    # Fourteen detectors are searched. A belief costs its 8 types and 8 conclusions by 8 types.
-    belief = 8 + 64
+    # Fourteen detectors are searched. A belief costs its 8 types and astray, and 8 conclusions by
+    # each of these nine; to find it, 27 layouts and astray for each reading, and for each outcome
+    # once and for each class of each detector that is searched.
+    belief, told = 9 + 72, 14 * 4
     assert len(SHIPPED.informative[0][0]) == 14
-    assert cells_before([], None, NORTH, SHIPPED, 1) == 16 + belief * (1 + 14 * 4)
+    assert cells_before([], None, NORTH, SHIPPED, 1) == 28 * (1 + told) + belief * (1 + told)
     readings, running = [Reading(0, 1), Reading(3, 1)], 9  # 3 tells nothing: twelve are free
     plans = 1 + 12 * 4 * (1 + 11 * 4)
-    assert cells_before(readings, running, NORTH, SHIPPED, 2) == 16 * 6 + 4 * belief * plans
+    found = cells_before(readings, running, NORTH, SHIPPED, 2)
+    assert found == 28 * (2 + 4 * (1 + told)) + 4 * belief * plans
 
 
 @given(priors, visits, headings, st.integers(0, DETECTORS - 1), st.sampled_from([1, 2]))

@@ -30,7 +30,7 @@ def problem(running: int | None = FIRST, wrong_s: float = 3600.0) -> Problem:
 
 def step_cells(p: Problem, ahead: int) -> int:
     types = int(p.entered.sum())
-    return most_cells(int(p.free.sum()), ahead, 4, types, types)
+    return most_cells(int(p.free.sum()), ahead, 4, types + 1, types)
 
 
 def test_it_stops_with_nothing_left_when_all_plans_were_weighed() -> None:

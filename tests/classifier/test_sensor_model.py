@@ -138,7 +138,7 @@ def test_the_shipped_model_separates_what_it_should() -> None:
     assert (wrong[:DOOR_JAMB][informative[:DOOR_JAMB]] < 0.025).all()
     assert (wrong[DOOR_JAMB, [3, 5]] < 0.1).all()
     # From nearer, where sides are looked into, the jambs of a wide door are beside the view.
-    assert (wrong[DOOR_JAMB, [1, 7]] < 0.21).all()
+    assert (wrong[DOOR_JAMB, [1, 7]] < 0.28).all()
 
 
 def _refused(path: Path, text: str, change: dict[str, object] | None = None) -> None:

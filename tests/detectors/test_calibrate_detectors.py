@@ -66,9 +66,9 @@ def test_every_detector_is_right_in_most_trials() -> None:
     # take those for corridors, and no more than a hundredth besides.
     assert np.nanmin(right[:DOOR_JAMB]) > 1 - JAMB_RATE * OPEN_SHARE - 0.01
     assert np.nanmin(right[[OPENING, FLAT_WALL], 0]) > 0.99
-    # From 0.65 half widths away the jambs of a wide door are beside the view.
+    # From 0.55 half widths away the jambs of a wide door are beside the view.
     assert np.nanmin(right[DOOR_JAMB, [3, 5]]) > 0.9
-    assert np.nanmin(right[DOOR_JAMB, [1, 7]]) > 0.79
+    assert np.nanmin(right[DOOR_JAMB, [1, 7]]) > 0.72
 
 
 def test_a_worse_ring_gives_a_worse_model() -> None:

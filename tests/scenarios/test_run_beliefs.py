@@ -26,7 +26,7 @@ from tests.scenarios.outcomes import unmoved
 from tests.scenarios.runs import Table, everything_said, of_kind, scenario_of
 
 MAPS = all_maps(Grid(3, 3))
-SENSOR = load_sensor_model().probability
+SENSOR = load_sensor_model()
 AGREES = 1e-9
 
 NINE: Table = {
@@ -78,7 +78,7 @@ def checked(kind: str, seed: int, build: Callable[..., Module] = unmoved) -> Che
     scenario = scenario_of(NINE, seed=seed, **KINDS[kind])
     said = everything_said(scenario, build)
     odds = scenario.modules.get("geographer", {}).get("corridor_odds", 1.0)
-    moments, wrong = walk(said, MAPS, SENSOR, odds)
+    moments, wrong = walk(said, MAPS, SENSOR.probability, SENSOR.astray, odds)
     beliefs, readings, blocked = (
         len(of_kind(said, kind)) for kind in (MapBelief, Reading, Blocked)
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def stopped(
     port = Pose(-width_m / 2, 0.0, 0.0)
     stop = body.approach(port, DRIVEN_M, 2.0)
     moved = Pose(stop.pose.ahead_of_m(port), stop.pose.y_m, stop.pose.heading_rad)
-    return Stop(moved, stop.beyond_m, stop.by)
+    return replace(stop, pose=moved)
 
 
 @pytest.mark.parametrize("junction_type", [j for j in ENTERED if j != STRAIGHT])
