@@ -52,7 +52,9 @@ def see(
         known = belief[corridor]
         belief[corridor] = PLANNED if truth[corridor] else SEEN_ABSENT
         news = news or known != belief[corridor]
-        contradicts = contradicts or (known != OPEN and (known == PLANNED) != (truth[corridor] == 1))
+        contradicts = contradicts or (
+            known != OPEN and (known == PLANNED) != (truth[corridor] == 1)
+        )
     return news, contradicts
 
 

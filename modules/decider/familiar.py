@@ -52,6 +52,19 @@ class Familiar:
         if not (self.probability >= 0).all() or not (self.shows >= 0).all():
             raise FamiliarError("probabilities: found a negative one, expected at least 0")
 
+    @classmethod
+    def there_and_back(
+        cls,
+        probability: NDArray[np.float64],
+        act_s: NDArray[np.float64],
+        look_s: float,
+        shows: NDArray[np.float64],
+        left_s: float = np.inf,
+        late_price: float = 0.0,
+    ) -> Familiar:
+        """A detour that takes ``look_s`` and leads back to where the errand goes on."""
+        return cls(probability, act_s, look_s + act_s, shows, left_s, late_price)
+
     def cost_s(self, taken_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """What an errand costs that takes so long."""
         if not self.late_price:

@@ -1,10 +1,10 @@
-"""Which way, where the robot may be in several places: act at once, or look somewhere first?
+"""Which way, where the robot may be in several places: at once, or after a look somewhere.
 
 Section 2: "you will have to choose whether or not it is worth your while to look for the
-restaurant". To act is to go to the goal as if at one registration, and where that turns out wrong as
-if at the others, the likeliest first. To look is to drive somewhere that a registration knows a way
-to, and to act from there by the type of the junction that is found. What each takes is driven in
-maps drawn from the belief of each registration, so a wrong answer costs what it takes to find it
+restaurant". To act is to go to the goal as if at one registration, and where that turns out wrong
+as if at the others, the likeliest first. To look is to drive somewhere that a registration knows a
+way to, and to act from there by the type of the junction that is found. What each takes is driven
+in maps drawn from the belief of each registration, so a wrong answer costs what it takes to find it
 out and to put it right (:mod:`modules.decider.as_if_kernels`). :func:`decide_detour` chooses.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -73,8 +74,9 @@ def decide_whereabouts(
 
     ``known_s`` of the decision is what acting at once costs, ``unknown_s`` what looking first
     costs, infinite where there is nothing to look at; ``explores`` whether it looks. The other
-    rules are for comparison: never to look, or to look wherever that tells anything. A type of
-    which no map has one gets a step that may lead to the goal of the likeliest registration.
+    rules are for comparison: never to look, or to look wherever that tells most as long as it
+    tells anything. A type of which no map has one gets a step that may lead to the goal of the
+    likeliest registration.
     """
     limited = [
         by_junction_type(s, roads_of(s.grid, s.corridor_s), maps_per_type) for s in asked.situations
@@ -136,7 +138,7 @@ def _branch(
     now = decide_detour(_familiar(asked, cases, act_s, Looked(act_s, nothing, 0)))
     looks, more = _looks(asked, cases, act_s) if rule != "act" else ([], 0)
     cells = drives + more
-    best = min(looks, key=lambda look: look.detour.look_s, default=None)
+    best = min(looks, key=partial(_worse, rule), default=None)
     if best is not None and (rule == "look" or best.detour.pays):
         route = best.route
         step, at = DIRECTIONS[int(route.steps[0])], situations[route.frame].place
@@ -151,6 +153,8 @@ def _branch(
 class _Look:
     route: Route
     detour: Detour
+    tells: float
+    """How much more probable the likeliest registration is expected to become."""
 
 
 def _looks(asked: Whereabouts, cases: Cases, act_s: Floats) -> tuple[list[_Look], int]:
@@ -161,14 +165,20 @@ def _looks(asked: Whereabouts, cases: Cases, act_s: Floats) -> tuple[list[_Look]
     for route in routes_to_look(cases.situations, cases.frames, LOOKS):
         looked = cases.looked(route.steps)
         drives += looked.drives
-        if _tells(cases, looked) > TELLS:
+        tells = _tells(cases, looked)
+        if tells > TELLS:
             question = _familiar(asked, cases, act_s, looked)
-            found.append(_Look(route, decide_detour(question)))
+            found.append(_Look(route, decide_detour(question), tells))
     return found, drives
 
 
+def _worse(rule: Rule, look: _Look) -> tuple[float, float]:
+    """By cost; whoever always looks goes where that tells most."""
+    return (-round(look.tells, 6) if rule == "look" else 0.0, look.detour.look_s)
+
+
 def _tells(cases: Cases, looked: Looked) -> float:
-    """How much more probable the likeliest registration is expected to become by a look."""
+    """By how much a look is expected to raise the probability of the likeliest registration."""
     first = np.unique(cases.of, return_index=True)[1]
     joint = looked.shows[:, first] * cases.weights
     return float(joint.max(axis=1).sum() - cases.weights.max())
