@@ -56,7 +56,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a day cost, whether a look was ever decided, and whether the errand was done."""
+    """What a day cost, whether it began with a look, and whether the errand was done."""
 
     cost_s: float
     time_s: float
@@ -109,7 +109,9 @@ def day(scenario: Scenario, case: tuple[str, str, Truth]) -> Outcome:
     said = everything_said(lived)
     done = of_kind(said, TrueErrand)
     time_s = done[0].ended_ns / 1e9 if done else lived.world.until_s
-    looked = any(decision.explores.any() for decision in of_kind(said, PathDecision))
+    here = Grid(len(lived.world.columns_m), len(lived.world.rows_m))
+    junction_type = here.junction_types(truth.corridors[None])[0, truth.place]
+    looked = bool(of_kind(said, PathDecision)[0].explores[junction_type])
     return Outcome(time_s + late_price * max(0.0, time_s - due_s), time_s, looked, bool(done))
 
 
@@ -153,7 +155,15 @@ def main() -> None:
             outcomes.append(outcome)
             progress.step(f"{case[0]}, {case[1]}")
     table = Table(title=f"{NAME}, {given.days} days, mean +- 95 % interval")
-    heads = ("setting", "rule", "cost, s", "more than by deciding, s", "time, s", "looked", "done")
+    heads = (
+        "setting",
+        "rule",
+        "cost, s",
+        "more than by deciding, s",
+        "time, s",
+        "looked",
+        "errands done",
+    )
     for head in heads:
         table.add_column(head)
     for s, setting in enumerate(given.settings):

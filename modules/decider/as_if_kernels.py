@@ -109,25 +109,23 @@ def order_costs(
     places: NDArray[np.int64],
     goal: int,
     spent_s: NDArray[np.float64],
-    found: NDArray[np.bool_],
     costs_s: NDArray[np.float64],
 ) -> int:
     """Fill ``costs_s`` (orders, cases): the errand's time as if at each of an order in turn.
 
     In case k the registration ``of[k]`` and ``maps[k]`` are true, the robot is at ``places[k]`` as
-    that registration has it, has spent ``spent_s[k]`` already and is done where ``found[k]``.
-    Returns the drives made.
+    that registration has it, and has spent ``spent_s[k]`` already. Returns the drives made.
     """
     drives = 0
     for o in range(len(orders)):
         for k in range(len(of)):
-            place, total, done = places[k], spent_s[k], found[k]
+            place, total = places[k], spent_s[k]
             for a in orders[o]:
-                if done:
-                    break
                 place, more, done = drive_as_if(frames, a, of[k], maps[k], place, goal)
                 total += more
                 drives += 1
+                if done:
+                    break
             costs_s[o, k] = total
     return drives
 
@@ -141,11 +139,11 @@ def look_along(
     place: int,
     goal: int,
 ) -> tuple[int, float, int, bool]:
-    """Drive direction numbers until the end, a missing corridor or the goal.
+    """Drive direction numbers to the end or to a missing corridor.
 
-    (Where it ends, seconds, corridors driven, whether it found the goal).
+    (Where it ends, seconds, corridors driven, whether it passed the goal).
     """
-    spent, driven = 0.0, 0
+    spent, driven, passed = 0.0, 0, False
     for d in route:
         corridor = frames.corridor[place, d]
         if corridor < 0 or not truth[corridor]:
@@ -153,6 +151,5 @@ def look_along(
         spent += frames.seconds[r, corridor] + frames.sensing_s
         place = frames.neighbour[place, d]
         driven += 1
-        if place == goal:
-            return place, spent, driven, True
-    return place, spent, driven, False
+        passed = passed or place == goal
+    return place, spent, driven, passed

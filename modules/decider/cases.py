@@ -18,9 +18,6 @@ from modules.decider.situation import Situation
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MET = -1
-"""What a look shows that ends at the errand's end."""
-
 
 @dataclass(frozen=True, eq=False)
 class Looked:
@@ -91,29 +88,32 @@ class Cases:
 
     def act_s(self) -> tuple[Floats, int]:
         """(acts, cases): what each act takes at once, and the drives it took to find out."""
-        n = len(self.of)
-        return self._acting(self._places, np.zeros(n), np.zeros(n, np.bool_))
+        return self._acting(self._places, np.zeros(len(self.of)))
 
-    def _acting(self, places: Ints, spent: Floats, met: NDArray[np.bool_]) -> tuple[Floats, int]:
+    def _acting(self, places: Ints, spent: Floats) -> tuple[Floats, int]:
         costs = np.empty((len(self.orders), len(self.of)))
         drives = order_costs(
-            self.frames, self.orders, self.of, self.maps, places, self._goal, spent, met, costs
+            self.frames, self.orders, self.of, self.maps, places, self._goal, spent, costs
         )
         return costs, int(drives)
 
-    def looked(self, route: Ints) -> Looked:
-        """Drive direction numbers in every case, look at the junction there, and act."""
+    def looked(self, route: Ints) -> Looked | None:
+        """Drive direction numbers in every case, look at the junction there, and act.
+
+        None for a way that may pass the errand's end: to go there is to act.
+        """
         n = len(self.of)
-        places, spent = np.empty(n, np.int64), np.empty(n)
-        met, codes = np.zeros(n, np.bool_), np.empty(n, np.int64)
+        places, spent, codes = np.empty(n, np.int64), np.empty(n), np.empty(n, np.int64)
         types = self.situations[0].grid.junction_types(self.maps)
         for k, start in enumerate(self._places.tolist()):
-            at, spent[k], driven, met[k] = look_along(
+            at, spent[k], driven, passed = look_along(
                 self.frames, route, int(self.of[k]), self.maps[k], start, self._goal
             )
+            if passed:
+                return None
             places[k] = at
-            codes[k] = MET if met[k] else driven * JUNCTION_TYPES + int(types[k, at])
-        after_s, drives = self._acting(places, spent, met)
+            codes[k] = driven * JUNCTION_TYPES + int(types[k, at])
+        after_s, drives = self._acting(places, spent)
         return Looked(after_s, self._shows(codes), drives)
 
     def _shows(self, codes: Ints) -> Floats:

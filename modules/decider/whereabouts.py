@@ -164,6 +164,8 @@ def _looks(asked: Whereabouts, cases: Cases, act_s: Floats) -> tuple[list[_Look]
     found, drives = [], 0
     for route in routes_to_look(cases.situations, cases.frames, LOOKS):
         looked = cases.looked(route.steps)
+        if looked is None:
+            continue
         drives += looked.drives
         tells = _tells(cases, looked)
         if tells > TELLS:
