@@ -229,7 +229,10 @@ def _not_recorded(scenario: Scenario) -> Iterator[str]:
 
 
 def _apply(table: dict[str, Any], change: str) -> None:
-    """Carry out one KEY=VALUE: dots lead into tables, the value is TOML or else a string."""
+    """Carry out one KEY=VALUE: dots lead into tables, the value is TOML or else a string.
+
+    A number leads into an array: ``errand.0.due_s=1000``.
+    """
     key, equals, text = change.partition("=")
     *parents, last = names = key.strip().split(".")
     if not equals or not all(names):
@@ -240,8 +243,19 @@ def _apply(table: dict[str, Any], change: str) -> None:
         value = text
     inner: Any = table
     for k, parent in enumerate(parents):
-        inner = inner.setdefault(parent, {})
-        if not isinstance(inner, dict):
+        inner, outer = _inner(inner, parent), inner
+        wanted = dict if k == len(parents) - 1 else dict | list
+        if not isinstance(inner, wanted):
             found = f"{'.'.join(parents[: k + 1])} = {shown(inner)}"
+            if isinstance(outer, list) and inner is None:
+                found = f"{'.'.join(parents[:k])} with {len(outer)} entries"
             raise ScenarioError(f"--set {change}: found {found}, expected a table there")
     inner[last] = value
+
+
+def _inner(table: Any, name: str) -> Any:
+    """What a name leads to: in an array an entry by its number, None where there is none."""
+    if not isinstance(table, list):
+        return table.setdefault(name, {})
+    entry = int(name) if name.isdecimal() else len(table)
+    return table[entry] if entry < len(table) else None

@@ -33,8 +33,8 @@ ALIKE = EAST | SOUTH | WEST
 
 QUIET = "world.ping_period_s=30"
 AT_A = "world.start.junction=[4, 1]"
-AT_LEISURE = "errand=[{ from = [3, 3], to = [3, 3] }]"
-HURRIED = "errand=[{ from = [3, 3], to = [3, 3], due_s = 1000, late_price = 10 }]"
+AT_LEISURE = "errand.0.late_price=0"
+HURRIED = "errand.0.due_s=1000"
 
 
 @cache
