@@ -63,7 +63,8 @@ FILES = {
     ),
     "unknown key, nothing like it": (
         OFFICE + "colour = 3\n",
-        "errand[0].colour: found an unknown key, expected one of from, to, expected_again, due_s, late_price",
+        "errand[0].colour: found an unknown key, expected one of from, to, expected_again, due_s, "
+        "late_price",
     ),
     "unknown key deep down": (
         OFFICE + "[[world.person]]\nenters = { at_s = 3, corrdor = 1 }\n",
