@@ -6,7 +6,8 @@ Each day is a run of the scenario ``familiar-place`` through all modules: the tr
 from what the robot thinks of it beforehand, the building from the exact belief over all connected
 maps given what it recalls, and a day counts where a robot can begin it (the corridor behind it and
 the errand's end are there). Three robots live the same days. The cost of a day is the errand's time
-and the price of its lateness. Everything is simulated time, so the numbers repeat on any machine.
+and the price of its lateness. First, a table of what the first decision is by the time that the
+errand has. Everything is simulated time, so the numbers repeat on any machine.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from rich.table import Table
 
 from benchmarks.days import Progress
 from bus.facts import Recall
-from bus.grid import OPPOSITE, Grid
-from bus.messages import PathDecision, TrueErrand
+from bus.grid import EAST, OPPOSITE, SOUTH, WEST, Grid
+from bus.messages import PathDecision, RegistrationDecision, TrueErrand
 from modules.geographer import ConnectedMaps
 from modules.geographer.record import recalled
 from scenarios.ground import draw_ground, generator
@@ -44,6 +45,10 @@ SETTINGS = {
     "no time for a look": (1100.0, 10.0),
 }
 """When the errand is due after the run's beginning, in seconds, and what a late second costs."""
+
+DUE_S = (None, 800.0, 1100.0, 1300.0, 1500.0, 1700.0, 1900.0, 2300.0, 2700.0, 3100.0)
+ALIKE = EAST | SOUTH | WEST
+"""The type of the junctions that look alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +120,21 @@ def day(scenario: Scenario, case: tuple[str, str, Truth]) -> Outcome:
     return Outcome(time_s + late_price * max(0.0, time_s - due_s), time_s, looked, bool(done))
 
 
+def crossover(scenario: Scenario) -> Table:
+    """The first decision, for the junction that looks alike, by when the errand is due."""
+    title = f"{scenario.errand[0].late_price:g} s a late second: the first decision"
+    table = Table("due after, s", "act at once, s", "look first, s", "looks", title=title)
+    for due_s in DUE_S:
+        errand = replace(scenario.errand[0], due_s=due_s)
+        brief = replace(scenario.world, until_s=1.0)
+        said = everything_said(replace(scenario, errand=(errand,), world=brief))
+        (found,) = of_kind(said, RegistrationDecision)
+        costs = (f"{of[ALIKE]:,.0f}" for of in (found.now_s, found.look_s))
+        due = "never" if due_s is None else f"{due_s:,.0f}"
+        table.add_row(due, *costs, "yes" if found.looks[ALIKE] else "no")
+    return table
+
+
 def interval(values: NDArray[np.float64]) -> str:
     """Mean with its 95 % interval."""
     half = 1.96 * float(values.std(ddof=1)) / np.sqrt(len(values))
@@ -147,6 +167,8 @@ def main() -> None:
     parser.add_argument("--settings", nargs="*", choices=list(SETTINGS), default=list(SETTINGS))
     given = parser.parse_args()
     scenario = load(find(NAME))
+    console = Console(width=140)
+    console.print(crossover(scenario))
     days = list(truths(scenario, given.days))
     cases = [(s, r, t) for s in given.settings for r in RULES for t in days]
     progress, outcomes = Progress(len(cases)), []
@@ -173,7 +195,7 @@ def main() -> None:
         }
         for row in rows(setting, by_rule):
             table.add_row(*row)
-    Console(width=140).print(table)
+    console.print(table)
 
 
 if __name__ == "__main__":
