@@ -131,7 +131,7 @@ def crossover(scenario: Scenario) -> Table:
         (found,) = of_kind(said, RegistrationDecision)
         costs = (f"{of[ALIKE]:,.0f}" for of in (found.now_s, found.look_s))
         due = "never" if due_s is None else f"{due_s:,.0f}"
-        table.add_row(due, *costs, "yes" if found.looks[ALIKE] else "no")
+        table.add_row(due, *costs, "yes" if found.detour[ALIKE] else "no")
     return table
 
 

@@ -305,15 +305,16 @@ class RegistrationDecision(Message, frozen=True):
 
     For each junction type at the far end: expected cost in seconds of acting at once (``now_s``)
     and of looking somewhere first (``look_s``, infinite where there is nothing to look at), and
-    whether it looks. ``acts_at``: the intersection that it acts as if it were at; ``looks_at``:
-    where it looks first, as seen from there; -1 for types of which no map has one.
+    whether it makes that ``detour``. ``acts_at``: the intersection that it acts as if it were at;
+    ``looks_at``: where it looks first, as seen from there, or -1. For types of which no map has
+    one, both costs are infinite and both places -1.
     """
 
     decision: int
     visit: int
     now_s: TypeFloats
     look_s: TypeFloats
-    looks: TypeBytes
+    detour: TypeBytes
     acts_at: TypeInts
     looks_at: TypeInts
 

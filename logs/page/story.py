@@ -122,7 +122,7 @@ class Story:
         """What a robot did that might have been in several places, and what else it would cost."""
         now_s, look_s = float(said.now_s[junction_type]), float(said.look_s[junction_type])
         at = self._named(int(said.acts_at[junction_type]))
-        if said.looks[junction_type]:
+        if said.detour[junction_type]:
             at = f"{self._named(int(said.looks_at[junction_type]))}, if this is {at}"
             return f"went {where} to look at {at}: {_against(look_s, now_s)}"
         return f"went {where}, as if this were {at}: {_against(now_s, look_s)}"

@@ -34,7 +34,7 @@ def choice(said: m.RegistrationDecision, junction_type: int) -> str:
     """The choice for one junction type, with both costs."""
     now_s, look_s = float(said.now_s[junction_type]), float(said.look_s[junction_type])
     look = f"{look_s:,.0f} s" if math.isfinite(look_s) else "nowhere to look"
-    if said.looks[junction_type]:
+    if said.detour[junction_type]:
         where = f"as if at {said.acts_at[junction_type]} looks at {said.looks_at[junction_type]}"
         return f"{where} first, {look} against {now_s:,.0f} s at once"
     return f"goes as if at {said.acts_at[junction_type]}, {now_s:,.0f} s; after a look: {look}"

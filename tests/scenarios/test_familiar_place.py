@@ -58,7 +58,7 @@ def done_s(said: tuple[Sent, ...]) -> float:
 def test_it_looks_for_the_corner_and_is_in_time() -> None:
     said = run()
     why = first(said)
-    assert why.looks[ALIKE]
+    assert why.detour[ALIKE]
     assert (why.acts_at[ALIKE], why.looks_at[ALIKE]) == (A, CORNER)
     assert why.look_s[ALIKE] < why.now_s[ALIKE]
     # south of B is no corner as south of A: it turns round, and goes east and north
@@ -71,7 +71,7 @@ def test_it_looks_for_the_corner_and_is_in_time() -> None:
 def test_at_leisure_a_mistake_can_be_put_right_and_it_goes_at_once() -> None:
     said = run(AT_LEISURE)
     why = first(said)
-    assert not why.looks[ALIKE]
+    assert not why.detour[ALIKE]
     assert why.acts_at[ALIKE] == A
     assert why.now_s[ALIKE] <= why.look_s[ALIKE] < np.inf
     # taken for A, B leads to the wrong end, where nobody waits; from there to the right one
@@ -85,7 +85,7 @@ def test_at_leisure_a_mistake_can_be_put_right_and_it_goes_at_once() -> None:
 
 def test_in_a_hurry_the_right_answer_would_come_too_late_after_a_look() -> None:
     why = first(run(HURRIED))
-    assert not why.looks[ALIKE]
+    assert not why.detour[ALIKE]
     assert why.now_s[ALIKE] <= why.look_s[ALIKE]
     # where it truly is at A that is as fast as can be
     quick = run(HURRIED, AT_A)
@@ -127,13 +127,13 @@ def test_every_decision_has_its_reason_and_its_time() -> None:
         path = paths[why.decision]
         assert why.now_s.tobytes() == path.known_s.tobytes()
         assert why.look_s.tobytes() == path.unknown_s.tobytes()
-        assert why.looks.tolist() == path.explores.tolist()
+        assert why.detour.tolist() == path.explores.tolist()
     assert all(entry.slack_ns > 0 for entry in of_kind(said, LedgerEntry))
 
 
 def test_at_the_prices_of_1990_three_beliefs_take_longer_than_the_first_drive() -> None:
     said = run("compute.profile=huey-1990")
-    assert first(said).looks[ALIKE]
+    assert first(said).detour[ALIKE]
     late = [e for e in of_kind(said, LedgerEntry) if e.kind == "path" and e.slack_ns < 0]
     # visible, not fatal; the decider itself has what it needs of the time that is left
     assert [entry.cause for entry in late] == ["late input"] * len(late)
