@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from bus.facts import Facts
@@ -28,7 +29,7 @@ from modules.decider.decision import decide
 from modules.decider.effort import LADDER, largest_that_fits
 from modules.decider.methods import MethodInUse
 from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_worlds
-from modules.decider.rehearsal import rehearse
+from modules.decider.rehearsal import rehearse, rehearse_lost
 from modules.decider.settings import Settings
 from modules.decider.situation import Decision, Situation
 from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of, unsettled_at
@@ -199,4 +200,6 @@ def _types(belief: MapBelief) -> int:
 def build(facts: Facts, settings: Settings, seed: int) -> Decider:
     """The decider of one run."""
     rehearse(facts.grid)
+    if facts.recall is not msgspec.UNSET:
+        rehearse_lost(facts.grid)
     return Decider(facts, settings, seed)

@@ -26,7 +26,7 @@ from modules.decider.hypotheses import Hypotheses, by_junction_type
 from modules.decider.options import levels_at, some_step
 from modules.decider.roads import roads_of
 from modules.decider.route_kernels import way_to_goal
-from modules.decider.situation import Decision, Situation
+from modules.decider.situation import Decision, Situation, SituationError
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +48,8 @@ class Whereabouts:
 
     ``weights`` (registrations,) are their probabilities, ``ahead`` (registrations, 16) what each
     says of the type of the junction ahead. ``left_s`` is the time from arrival there until the
-    errand is late, ``late_price`` what each late second costs more.
+    errand is late, ``late_price`` what each late second costs more. Raises SituationError for what
+    does not fit together.
     """
 
     situations: tuple[Situation, ...]
@@ -56,6 +57,17 @@ class Whereabouts:
     ahead: Floats
     left_s: float = np.inf
     late_price: float = 0.0
+
+    def __post_init__(self) -> None:
+        n, goals = len(self.situations), [s.goals[:1] for s in self.situations]
+        if not n or (n > 1 and (not goals[0] or len(dict.fromkeys(goals)) > 1)):
+            raise SituationError(f"goals ahead: found {goals}, expected one, the same for all")
+        for name, found, shape in (
+            ("weights", self.weights, (n,)),
+            ("ahead", self.ahead, (n, JUNCTION_TYPES)),
+        ):
+            if found.shape != shape:
+                raise SituationError(f"{name} has shape {found.shape}, expected {shape}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ average by these weights.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,12 @@ from modules.geographer.sampling import WeightedMaps
 
 Floats = NDArray[np.float64]
 
-GONE = 1e-12
-"""A registration that is less probable is dropped for good: far less than any decision notices."""
+GONE = 1e-30
+"""A registration that is less probable is dropped for good. What was recalled may be wrong in many
+places, and the right registration must come through that."""
+
+TOLD = 1e-10
+"""One that is less probable is kept, but not told of: far less than any decision notices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +74,13 @@ def _possible(at: Registration, believe: Callable[[Registration], MapBelief]) ->
         return believe(at)
     except ContradictoryEvidenceError:
         return None
+
+
+def told(believed: Sequence[Believed]) -> tuple[Believed, ...]:
+    """The registrations worth telling of, with weights that sum to one."""
+    worth = [one for one in believed if one.weight >= TOLD]
+    total = sum(one.weight for one in worth)
+    return tuple(replace(one, weight=one.weight / total) for one in worth)
 
 
 def likeliest(believed: Sequence[Believed]) -> Believed:

@@ -28,7 +28,7 @@ from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.geographer.connected_maps import ConnectedMaps
 from modules.geographer.map_belief import MapBelief as Exact
-from modules.geographer.mixture import ahead, map_belief, registrations, weighed
+from modules.geographer.mixture import ahead, map_belief, registrations, told, weighed
 from modules.geographer.registration import Registration, registrations_of, those_left
 from modules.geographer.sampling import rehearse, weighted_maps
 from modules.geographer.settings import Settings
@@ -127,14 +127,15 @@ class Geographer:
         )
 
     def _say_belief(self, turn: Turn) -> None:
-        believed = weighed(self._registrations, self._believe)
-        dropped = len(self._registrations) - len(believed)
-        self._registrations = tuple(one.at for one in believed)
+        every = weighed(self._registrations, self._believe)
+        believed = told(every)
+        untold = len(self._registrations) - len(believed)
+        self._registrations = tuple(one.at for one in every)
         maps = [
             weighted_maps(one.belief, one.at.ahead, self._settings.maps_per_type, self._rng)
             for one in believed
         ]
-        for cells in (*(some.cells for some in maps), *[0] * dropped):
+        for cells in (*(some.cells for some in maps), *[0] * untold):
             turn.work("belief", self._maps.update_cells + cells)
         made_from = self._made_from.values()
         belief = map_belief(self._visit, self._heading, believed, maps)

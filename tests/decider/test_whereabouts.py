@@ -13,7 +13,7 @@ from bus.grid import DIRECTIONS, EAST, JUNCTION_TYPES, NORTH, SOUTH, WEST, Grid,
 from modules.decider.frames import corridors_shifted, frames_of, routes_to_look, shifted
 from modules.decider.hypotheses import by_junction_type
 from modules.decider.roads import roads_of
-from modules.decider.situation import Situation
+from modules.decider.situation import Situation, SituationError
 from modules.decider.whereabouts import (
     LOOKS,
     MAPS,
@@ -128,6 +128,15 @@ def test_the_rules_to_compare_with() -> None:
     late = replace(in_the_hall(0.5), left_s=450.0, late_price=3.0)
     assert decided(late, "act") == pytest.approx([625, np.inf, 0, WEST])
     assert decided(in_the_hall(0.5, NORTH | EAST), "look")[3] == WEST, "nowhere to look"
+
+
+def test_what_does_not_fit_together_is_refused() -> None:
+    asked = in_the_hall(0.5)
+    done = replace(asked.situations[0], waypoints=())
+    with pytest.raises(SituationError, match="goals ahead: found .*, expected one"):
+        replace(asked, situations=(done, asked.situations[1]))
+    with pytest.raises(SituationError, match=r"weights has shape \(1,\), expected \(2,\)"):
+        replace(asked, weights=np.ones(1))
 
 
 def test_why_is_told() -> None:

@@ -13,7 +13,7 @@ from bus.facts import Facts, MayBeAt, Recall, Recalled
 from bus.grid import EAST, NORTH, SOUTH, WEST, Grid
 from modules.geographer import ConnectedMaps, ContradictoryEvidenceError
 from modules.geographer.map_belief import MapBelief
-from modules.geographer.mixture import ahead, likeliest, weighed
+from modules.geographer.mixture import ahead, likeliest, told, weighed
 from modules.geographer.registration import (
     LostError,
     Registration,
@@ -100,10 +100,13 @@ def test_what_no_map_fits_drops_out_and_what_fits_none_is_named() -> None:
         weighed(blocked[:1], believe)
 
 
-def test_the_improbable_is_dropped_for_good() -> None:
+def test_the_improbable_is_not_told_of_and_in_the_end_dropped() -> None:
     found = registrations_of(facts())
-    far = replace(found[1], log_prior=-60.0)
-    assert [one.at.place for one in weighed((found[0], far, found[2]), believe)] == [4, 7]
+    for log_prior, kept, worth in ((-20.0, 3, 3), (-60.0, 3, 2), (-80.0, 2, 2)):
+        far = replace(found[1], log_prior=log_prior)
+        every = weighed((found[0], far, found[2]), believe)
+        assert (len(every), len(told(every))) == (kept, worth)
+        assert sum(one.weight for one in told(every)) == pytest.approx(1.0, abs=1e-12)
 
 
 @settings(max_examples=25, deadline=None)
