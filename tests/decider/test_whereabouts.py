@@ -133,7 +133,7 @@ def test_the_rules_to_compare_with() -> None:
 def test_what_does_not_fit_together_is_refused() -> None:
     asked = in_the_hall(0.5)
     done = replace(asked.situations[0], waypoints=())
-    with pytest.raises(SituationError, match="goals ahead: found .*, expected one"):
+    with pytest.raises(SituationError, match=r"goals ahead: found .*, expected one"):
         replace(asked, situations=(done, asked.situations[1]))
     with pytest.raises(SituationError, match=r"weights has shape \(1,\), expected \(2,\)"):
         replace(asked, weights=np.ones(1))

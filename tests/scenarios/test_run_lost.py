@@ -95,7 +95,7 @@ def checked(seed: int, build: Any = unmoved) -> Checked:
 
 run = cache(checked)
 MISTAKEN = (5, 6)
-SEEDS = (1, 2, 3, 4, *MISTAKEN)
+SEEDS = (1, 3, *MISTAKEN)
 
 
 def worst(found: Checked) -> float:
@@ -144,4 +144,4 @@ def test_weights_without_what_was_scaled_away_are_noticed(
         return replace(found, record=replace(found.record, log_scale=self.record.log_scale))
 
     monkeypatch.setattr(Registration, "classified", scaled)
-    assert max(worst(checked(seed)) for seed in SEEDS) > 1e-3
+    assert any(worst(checked(seed)) > 1e-3 for seed in SEEDS)
