@@ -92,12 +92,15 @@ class ErrandQueue:
         return errand.goal if self._fetched else errand.start
 
     @property
-    def due(self) -> Errand | None:
-        """The errand in hand if it has a time by which its goal, the next waypoint, is due."""
-        if not self.left:
+    def due(self) -> tuple[int, float] | None:
+        """When the next waypoint is due in ns, and the price of lateness.
+
+        None where it is not the goal of an errand that has a time.
+        """
+        errand = self._errands[self._number] if self.left else None
+        if errand is None or errand.due_s is None or self.waypoint != errand.goal:
             return None
-        errand = self._errands[self._number]
-        return errand if errand.due_s is not None and self.waypoint == errand.goal else None
+        return round(errand.due_s * 1e9), errand.late_price
 
     def waypoints(self) -> NDArray[np.int64]:
         """All intersections still to be reached, the next one first."""

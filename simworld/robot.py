@@ -208,10 +208,9 @@ class Robot:
         waypoints = self._errands.waypoints()
         tasks, expected = self._errands.expected()
         decision = self._deadlines.ask("path", self.visit, until_ns)
-        errand = self._errands.due
-        if errand is not None and errand.due_s is not None:
-            due_ns = round(errand.due_s * 1e9)
-            self._say(AskedErrand(self.visit, due_ns, errand.late_price))
+        due = self._errands.due
+        if due is not None:
+            self._say(AskedErrand(self.visit, *due))
         self._say(
             AskedPath(decision, self.visit, waypoints, tasks, expected, self._now_ns, until_ns)
         )

@@ -37,7 +37,8 @@ MAPS = (1, 2, 4, 8, 16)
 """The sizes of problem to choose from: maps for each registration and junction type ahead."""
 
 TELLS = 0.02
-"""A look that makes the likeliest registration more probable by less is not worth the name."""
+"""A look that is expected to make the likeliest registration more probable by less is none: by so
+few maps that may be chance."""
 
 Rule: TypeAlias = Literal["least expected cost", "act", "look"]
 
