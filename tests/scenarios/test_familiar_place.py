@@ -142,7 +142,7 @@ def test_at_the_prices_of_1990_three_beliefs_take_longer_than_the_first_drive() 
 
 
 def test_the_log_of_processes_is_that_of_one_and_each_module_repeats(tmp_path: Path) -> None:
-    script = shipped(NAME)
+    script = shipped(NAME, QUIET)
     alone, apart = tmp_path / "alone.mcap", tmp_path / "apart.mcap"
     launched, data = log_of_processes(script, apart)
     assert (launched.reason, launched.failed) == ("done", {})
