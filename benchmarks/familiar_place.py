@@ -21,8 +21,9 @@ from rich.console import Console
 from rich.table import Table
 
 from bus.grid import EAST, SOUTH, WEST
-from modules.decider.familiar import Detour, Familiar, decide_detour, registrations
+from modules.decider.familiar import Detour, Familiar, decide_detour
 from modules.geographer import ConnectedMaps
+from modules.geographer.registration import weights
 
 CORRIDOR_S = 240.0
 """About four minutes (section 5)."""
@@ -38,6 +39,8 @@ CONFUSED = 0.05
 """P(a reading speaks for some other type); the readings of a visit together."""
 DIRECT_S = 3 * CORRIDOR_S
 """What is left of the errand by the right act."""
+LOOK_S = 4 * CORRIDOR_S
+"""To the corner and back."""
 
 
 def likelihood(junction_type: int) -> NDArray[np.float64]:
@@ -61,12 +64,11 @@ def asked(wrong_s: float, left_s: float = np.inf, late_price: float = 0.0) -> Fa
     """The decision: act on one of the registrations, or look first."""
     maps = ConnectedMaps(6, 3)
     found = [evidence(maps, place) for place in PLACES]
-    probability = registrations(np.log(PRIOR), np.array([log for log, _ in found]))
+    probability = weights(np.log(PRIOR), np.array([log for log, _ in found]))
     reads = np.array([likelihood(t) for t in range(16)]).T  # (reading, type)
     shows = np.array([reads @ types for _, types in found]).T
     act_s = DIRECT_S + wrong_s * (1.0 - np.eye(len(PLACES)))
-    look_s = 4 * CORRIDOR_S
-    return Familiar(probability, act_s, look_s, shows, left_s, late_price)
+    return Familiar.there_and_back(probability, act_s, LOOK_S, shows, left_s, late_price)
 
 
 def curve(values: list[tuple[str, Detour]], title: str, by: str) -> Table:

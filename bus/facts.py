@@ -18,12 +18,35 @@ class Ring(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     farthest_m: float = 10.7
 
 
+class Recalled(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A junction that is recalled from an earlier day: of which type, and how certainly."""
+
+    place: int
+    junction_type: int
+    certain: float
+
+
+class MayBeAt(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """An intersection that may be the first LDP, and how probable that is beforehand."""
+
+    place: int
+    probability: float
+
+
+class Recall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What a robot knows of its building that has lost its place in it (paper, section 2)."""
+
+    places: tuple[Recalled, ...]
+    may_be_at: tuple[MayBeAt, ...]
+
+
 class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """All that a module is told before the run; of the building, nothing but the grid's size.
 
     ``start`` is the intersection of the LDP it first drives to, with ``heading``: the landmark
-    on which it is registered (paper, section 6). ``corridor_width_m`` is nominal; ``wedges`` is
-    how many the space about a port is divided into (:mod:`bus.features`).
+    on which it is registered (paper, section 6). A robot that has lost its place has ``recall``
+    instead, and ``start`` is then the likeliest of what may be. ``corridor_width_m`` is nominal;
+    ``wedges`` is how many the space about a port is divided into (:mod:`bus.features`).
     """
 
     columns: int
@@ -34,6 +57,7 @@ class Facts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     corridor_width_m: float = 2.0
     ring: Ring = Ring()
     wedges: int = 8
+    recall: Recall | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def grid(self) -> Grid:

@@ -37,6 +37,7 @@ class Spec:
 
 Floats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1)]
 FiniteFloats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "finite")]
+FiniteRows: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite")]
 FloatPairs: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite", 2)]
 Vector3: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "finite", 3)]
 Matrix3: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "finite", 3)]
@@ -53,11 +54,13 @@ TypeDistribution: TypeAlias = Annotated[
 TypeDistributions: TypeAlias = Annotated[
     np.ndarray, Spec("float64", 3, "distribution", JUNCTION_TYPES)
 ]
+TypeRows: TypeAlias = Annotated[np.ndarray, Spec("float64", 2, "distribution", JUNCTION_TYPES)]
 TypeLikelihood: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, "likelihood", JUNCTION_TYPES)]
 TypeFloats: TypeAlias = Annotated[np.ndarray, Spec("float64", 1, length=JUNCTION_TYPES)]
 TypePairs: TypeAlias = Annotated[
     np.ndarray, Spec("float64", 2, "costs", JUNCTION_TYPES, JUNCTION_TYPES)
 ]
+TypeInts: TypeAlias = Annotated[np.ndarray, Spec("int64", 1, length=JUNCTION_TYPES)]
 TypeBytes: TypeAlias = Annotated[np.ndarray, Spec("uint8", 1, length=JUNCTION_TYPES)]
 
 SUM_TOLERANCE = 1e-9

@@ -15,6 +15,7 @@ from bus.fields import (
     Bytes2,
     Distribution,
     FiniteFloats,
+    FiniteRows,
     FloatPairs,
     Floats,
     IntPairs,
@@ -24,8 +25,10 @@ from bus.fields import (
     TypeDistribution,
     TypeDistributions,
     TypeFloats,
+    TypeInts,
     TypeLikelihood,
     TypePairs,
+    TypeRows,
     Vector3,
 )
 
@@ -74,6 +77,18 @@ class Blocked(Message, frozen=True):
 
     visit: int
     heading: int
+
+
+class AtErrand(Message, frozen=True):
+    """Whether somebody is here who expects the robot: whether this is the next ``waypoint``.
+
+    Said to a robot that does not know where it is. Where it is, that is found out when the errand
+    is seen to, and the decision of ``visit`` is asked for after it.
+    """
+
+    visit: int
+    waypoint: int
+    here: bool
 
 
 class ActionEnded(Message, frozen=True):
@@ -166,6 +181,8 @@ class MapBelief(Message, frozen=True):
 
     ``maps`` come grouped so that for each junction type at (x, y) any first few are an exact
     sample given that type. ``drive_s`` is the time to drive each corridor as far as known.
+    Where the robot may be in several places it is the mixture over them, (x, y) being the
+    likeliest, ``entropy`` that of place and map together; maps are then grouped by place first.
     """
 
     visit: int
@@ -179,6 +196,27 @@ class MapBelief(Message, frozen=True):
     entropy: float
     maps: Bytes2
     weights: Distribution
+    log_probability: FiniteFloats
+
+
+class Registrations(Message, frozen=True):
+    """Where the robot may be at the end of ``visit``: a row for each registration that is left.
+
+    ``places`` are the intersections ahead, ``weights`` their probabilities, ``ahead`` what each
+    says of the type there. ``corridors`` and ``drive_s`` are as in :class:`MapBelief`, and so are
+    the maps, ``of`` one registration each; ``map_weights`` sum to one for each.
+    """
+
+    visit: int
+    heading: int
+    places: Ints
+    weights: Distribution
+    ahead: TypeRows
+    corridors: FiniteRows
+    drive_s: FiniteRows
+    of: Ints
+    maps: Bytes2
+    map_weights: FiniteFloats
     log_probability: FiniteFloats
 
 
@@ -209,6 +247,17 @@ class AskedPath(Message, frozen=True):
     expected: FiniteFloats
     asked_ns: int
     until_ns: int
+
+
+class AskedErrand(Message, frozen=True):
+    """When the errand that :class:`AskedPath` of ``visit`` is for is due, if it is, at its goal.
+
+    Each second later costs ``late_price`` seconds more.
+    """
+
+    visit: int
+    due_ns: int
+    late_price: float
 
 
 class AskedReaction(Message, frozen=True):
@@ -249,6 +298,25 @@ class PathDecision(Message, frozen=True):
     unknown_s: TypeFloats
     explores: TypeBytes
     hypotheses: int
+
+
+class RegistrationDecision(Message, frozen=True):
+    """Is this the same intersection? Why the path of a robot is as it is that may be in several.
+
+    For each junction type at the far end: expected cost in seconds of acting at once (``now_s``)
+    and of looking somewhere first (``look_s``, infinite where there is nothing to look at), and
+    whether it makes that ``detour``. ``acts_at``: the intersection that it acts as if it were at;
+    ``looks_at``: where it looks first, as seen from there, or -1. For types of which no map has
+    one, both costs are infinite and both places -1.
+    """
+
+    decision: int
+    visit: int
+    now_s: TypeFloats
+    look_s: TypeFloats
+    detour: TypeBytes
+    acts_at: TypeInts
+    looks_at: TypeInts
 
 
 class ReactionDecision(Message, frozen=True):

@@ -68,6 +68,11 @@ _TABLE = (
     Topic("truth/pose", m.TruePose, WORLD, (), "each LDP", truth=True),
     Topic("truth/errand", m.TrueErrand, WORLD, (), "each errand", truth=True),
     Topic("truth/encounter", m.TrueEncounter, WORLD, (), "each encounter", truth=True),
+    # Of a robot that does not know where it is, and how much time it has (paper, section 2).
+    Topic("percept/errand", m.AtErrand, WORLD, (GEOGRAPHER,), "each LDP, if it is lost"),
+    Topic("asked/errand", m.AskedErrand, WORLD, (DECIDER,), "each corridor, if it is due"),
+    Topic("belief/registrations", m.Registrations, GEOGRAPHER, (DECIDER,), "while it is lost"),
+    Topic("decision/registration", m.RegistrationDecision, DECIDER, (), "while it is lost"),
 )
 
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}

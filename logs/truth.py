@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bus.features import USUAL, Wedges
 from bus.grid import Grid
-from bus.messages import Arrival, Blocked, Message, Reading, TrueBuilding, TruePose
+from bus.messages import Arrival, AtErrand, Blocked, Message, Reading, TrueBuilding, TruePose
 
 
 def feature_is_there(
@@ -47,8 +47,8 @@ class Truth:
             case TruePose() as pose if self._arrived is not None:
                 self._stands = pose.place, self._arrived.heading
                 return self._at(self._arrived.visit)
-            case Blocked() as blocked if self._stands is not None:
-                return self._at(blocked.visit)  # the robot is back where it was
+            case Blocked() | AtErrand(here=True) as again if self._stands is not None:
+                return self._at(again.visit)  # the robot is back, or still, where it was
         return None
 
     def _at(self, visit: int) -> int:

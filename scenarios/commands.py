@@ -32,6 +32,7 @@ Json = Annotated[
 @app.command(
     epilog="Examples: `waywiser launch aces`; `waywiser launch office-4x4 --seed 7 --in-process`; "
     "`waywiser launch aces --set compute.profile=huey-1990 --log slow.mcap`; "
+    "`waywiser launch familiar-place --set errand.0.due_s=1000`; "
     "`waywiser launch` alone lists the shipped scenarios. "
     "Exit status: 0 good, 1 an expectation does not hold, 2 bad input, 3 inconclusive."
 )

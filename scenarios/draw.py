@@ -59,6 +59,7 @@ def _draw(scenario: Scenario) -> Drawn:
         errands=_errands(scenario, building, rng),
         people=_coming(settings, building),
         recording=_recording(settings, ground),
+        lost=ground.recall is not None,
     )
     return Drawn(plan, ground.facts)
 
@@ -112,7 +113,7 @@ def _errands(
                     f"expected a junction of the building"
                 )
         a, b = grid.intersection(*errand.start), grid.intersection(*errand.goal)
-        errands.append(Errand(a, b, errand.expected_again))
+        errands.append(Errand(a, b, errand.expected_again, errand.due_s, errand.late_price))
     return tuple(errands)
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.facts import Facts, Ring
+from bus.facts import Facts, Recall, Ring
 from bus.grid import DIRECTIONS, LETTER, OPPOSITE, Grid
+from scenarios.recall import RecallError, likeliest, recall_of
 from scenarios.scenario import Scenario, ScenarioError
 from simworld.building import Building, BuildingError, build
 from simworld.fittings import fitted
@@ -35,20 +37,22 @@ class Ground:
     speed_m_s: float
     ring: Ring
     wedges: int
+    recall: Recall | None = None
 
     @property
     def facts(self) -> Facts:
-        """What the robot knows of it from the beginning."""
+        """What the robot knows of it from the beginning: where it is, or what it recalls."""
         grid = self.building.grid
         return Facts(
             grid.columns,
             grid.rows,
-            self.start,
+            self.start if self.recall is None else likeliest(self.recall),
             self.heading,
             self.speed_m_s,
             corridor_width_m=self.building.corridor_width_m,
             ring=self.ring,
             wedges=self.wedges,
+            recall=msgspec.UNSET if self.recall is None else self.recall,
         )
 
 
@@ -63,7 +67,17 @@ def draw_ground(scenario: Scenario, rng: np.random.Generator) -> Ground:
     start, heading = _start(scenario, building, rng)
     ring, wedges = _ring(scenario.world.sonar), scenario.sensing.wedges
     _check_false_echoes(scenario.world, ring)
-    return Ground(building, start, heading, scenario.world.speed_m_s, ring, wedges)
+    recall = _recall(scenario, building.grid, start, heading)
+    return Ground(building, start, heading, scenario.world.speed_m_s, ring, wedges, recall)
+
+
+def _recall(scenario: Scenario, grid: Grid, start: int, heading: int) -> Recall | None:
+    if scenario.recall is None:
+        return None
+    try:
+        return recall_of(scenario.recall, grid, start, heading)
+    except RecallError as error:
+        raise ScenarioError(str(error)) from None
 
 
 def _ring(settings: SonarSettings) -> Ring:

@@ -19,6 +19,7 @@ from bus.features import FEWEST, MOST, USUAL
 from bus.topics import MODULES
 from scenarios.explain import explained, one_of, out_of_range, shown
 from scenarios.modules import settings_type
+from scenarios.recall import RecallSettings
 from simworld.laser_ring import TRANSDUCERS
 from simworld.settings import ErrandSettings, NotNegative, Positive, RandomErrands, WorldSettings
 
@@ -99,6 +100,7 @@ class Scenario(_Table, frozen=True):
     epoch: Annotated[datetime, msgspec.Meta(tz=True)] = datetime(2026, 1, 1, tzinfo=UTC)
     errand: tuple[ErrandSettings, ...] = ()
     random_errands: RandomErrands | None = None
+    recall: RecallSettings | None = None
     compute: Compute = Compute()
     sensing: Sensing = Sensing()
     modules: dict[str, dict[str, Any]] = {}
@@ -192,6 +194,11 @@ def _contradictions(scenario: Scenario) -> Iterator[str]:
         )
     if scenario.errand and scenario.random_errands:
         yield "random_errands: found beside [[errand]], expected only one of the two"
+    if scenario.recall is not None and scenario.world.start == "anywhere":
+        yield (
+            "world.start: found 'anywhere' beside [recall], expected where the robot truly is, one "
+            "of recall.may_be_at"
+        )
     yield from _not_recorded(scenario)
     for k, expect in enumerate(scenario.expect):
         if not any(getattr(expect, condition) is not None for condition in CONDITIONS):
@@ -205,6 +212,7 @@ def _not_recorded(scenario: Scenario) -> Iterator[str]:
     beside = {
         "errand": scenario.errand,
         "random_errands": scenario.random_errands,
+        "recall": scenario.recall,
         **{f"world.{key}": getattr(scenario.world, key) for key in SIMULATED},
     }
     for key, found in beside.items():
@@ -221,7 +229,10 @@ def _not_recorded(scenario: Scenario) -> Iterator[str]:
 
 
 def _apply(table: dict[str, Any], change: str) -> None:
-    """Carry out one KEY=VALUE: dots lead into tables, the value is TOML or else a string."""
+    """Carry out one KEY=VALUE: dots lead into tables, the value is TOML or else a string.
+
+    A number leads into an array: ``errand.0.due_s=1000``.
+    """
     key, equals, text = change.partition("=")
     *parents, last = names = key.strip().split(".")
     if not equals or not all(names):
@@ -232,8 +243,19 @@ def _apply(table: dict[str, Any], change: str) -> None:
         value = text
     inner: Any = table
     for k, parent in enumerate(parents):
-        inner = inner.setdefault(parent, {})
-        if not isinstance(inner, dict):
+        inner, outer = _inner(inner, parent), inner
+        wanted = dict if k == len(parents) - 1 else dict | list
+        if not isinstance(inner, wanted):
             found = f"{'.'.join(parents[: k + 1])} = {shown(inner)}"
+            if isinstance(outer, list) and inner is None:
+                found = f"{'.'.join(parents[:k])} with {len(outer)} entries"
             raise ScenarioError(f"--set {change}: found {found}, expected a table there")
     inner[last] = value
+
+
+def _inner(table: Any, name: str) -> Any:
+    """What a name leads to: in an array an entry by its number, None where there is none."""
+    if not isinstance(table, list):
+        return table.setdefault(name, {})
+    entry = int(name) if name.isdecimal() else len(table)
+    return table[entry] if entry < len(table) else None

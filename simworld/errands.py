@@ -14,11 +14,16 @@ from simworld.building import Building
 
 @dataclass(frozen=True)
 class Errand:
-    """Carry something from one intersection to another; so many more of it are expected."""
+    """Carry something from one intersection to another; so many more of it are expected.
+
+    Each second after ``due_s``, counted from the beginning of the run, costs ``late_price`` more.
+    """
 
     start: int
     goal: int
     expected_again: float
+    due_s: float | None = None
+    late_price: float = 0.0
 
 
 def shortest_s(building: Building, speed_m_s: float, start: int, goal: int) -> float:
@@ -77,6 +82,25 @@ class ErrandQueue:
     def done(self) -> int:
         """How many are done."""
         return self._number
+
+    @property
+    def waypoint(self) -> int | None:
+        """The intersection to be reached next; None where nothing is left."""
+        if not self.left:
+            return None
+        errand = self._errands[self._number]
+        return errand.goal if self._fetched else errand.start
+
+    @property
+    def due(self) -> tuple[int, float] | None:
+        """When the next waypoint is due in ns, and the price of lateness.
+
+        None where it is not the goal of an errand that has a time.
+        """
+        errand = self._errands[self._number] if self.left else None
+        if errand is None or errand.due_s is None or self.waypoint != errand.goal:
+            return None
+        return round(errand.due_s * 1e9), errand.late_price
 
     def waypoints(self) -> NDArray[np.int64]:
         """All intersections still to be reached, the next one first."""

@@ -18,8 +18,10 @@ from bus.grid import EAST, OPPOSITE, STEP, WEST
 from bus.messages import (
     ActionEnded,
     Arrival,
+    AskedErrand,
     AskedPath,
     AskedSensing,
+    AtErrand,
     Blocked,
     Departure,
     Motion,
@@ -39,6 +41,9 @@ Choice: TypeAlias = Generator[simpy.Event, Any, int]
 STOP = -1
 """In place of a next detector: the junction's type is concluded."""
 
+HAND_OVER_NS = 20_000_000_000
+"""How long a robot that did not know the place takes to see to an errand (assumption)."""
+
 
 class Robot:
     """The executive: carries out decisions, and asks for the next ones."""
@@ -56,6 +61,7 @@ class Robot:
         mail: Mailbox,
         speed_m_s: float,
         stands: Callable[[], None],
+        lost: bool = False,
     ) -> None:
         self._env = env
         self._building = building
@@ -68,6 +74,8 @@ class Robot:
         self._mail = mail
         self._speed_m_s = speed_m_s
         self._stands = stands
+        self._lost = lost
+        self._found: int | None = None  # the errand's end where it stands, not seen to yet
         self.visit = 0
         self.place = 0
         self.heading = 0
@@ -91,6 +99,7 @@ class Robot:
         yield from self._go(Way(behind, begins, ahead_m), crossing_ns=0, turn_rad=0.0)
         while True:
             junction_type = yield from self._classify()
+            yield from self._hand_over()
             direction = yield from self._way_out(junction_type)
             if direction == 0:
                 return
@@ -143,6 +152,7 @@ class Robot:
         self._senses.odometry()
         self._say(Arrival(self.visit, self.heading, (self._now_ns - began_ns) / 1e9))
         self._say_pose()
+        self._look_about()
         self._errands_at(self.place)
 
     def _arrive(self, way: Way) -> Steps:
@@ -163,6 +173,27 @@ class Robot:
         pose = self._body.pose
         self._say(TruePose(pose.x_m, pose.y_m, pose.heading_rad, self.place))
 
+    def _look_about(self) -> None:
+        """See whether somebody here expects the robot, where it does not know the place itself."""
+        waypoint = self._errands.waypoint
+        if not self._lost or waypoint is None:
+            return
+        if self.place == waypoint:
+            self._found = waypoint
+        else:
+            self._say(AtErrand(self.visit, waypoint, here=False))
+
+    def _hand_over(self) -> Steps:
+        """See to an errand's end that was come upon, and ask again for the path from here."""
+        if self._found is None:
+            return
+        self._moves()
+        self.visit += 1
+        self._say(AtErrand(self.visit, self._found, here=True))
+        self._found = None
+        self._ask_path(self._now_ns + HAND_OVER_NS)
+        yield self._env.timeout(HAND_OVER_NS)
+
     def _errands_at(self, place: int) -> None:
         for done in self._errands.reached(place, self._now_ns):
             legs = ((done.began_at, done.start), (done.start, done.goal))
@@ -177,6 +208,9 @@ class Robot:
         waypoints = self._errands.waypoints()
         tasks, expected = self._errands.expected()
         decision = self._deadlines.ask("path", self.visit, until_ns)
+        due = self._errands.due
+        if due is not None:
+            self._say(AskedErrand(self.visit, *due))
         self._say(
             AskedPath(decision, self.visit, waypoints, tasks, expected, self._now_ns, until_ns)
         )

@@ -140,11 +140,13 @@ def ring_of(settings: SonarSettings) -> SonarRing:
 
 
 class ErrandSettings(_Settings, frozen=True, rename={"start": "from", "goal": "to"}):
-    """One errand of the queue."""
+    """One errand of the queue; ``due_s`` after the run's beginning, and what lateness costs."""
 
     start: Place
     goal: Place
     expected_again: NotNegative = 0.0
+    due_s: NotNegative | None = None
+    late_price: NotNegative = 0.0
 
 
 class RandomErrands(_Settings, frozen=True):

@@ -45,7 +45,8 @@ DIRECTION = {"N": NORTH, "E": EAST, "S": SOUTH, "W": WEST}
 class Plan:
     """A world as it was drawn: what a seed makes of a scenario.
 
-    ``recording``, if there is one, is played back in place of the robot's day.
+    ``recording``, if there is one, is played back in place of the robot's day. A robot that is
+    ``lost`` does not know when it is at an errand's end: it looks whether somebody waits there.
     """
 
     settings: WorldSettings
@@ -56,6 +57,7 @@ class Plan:
     errands: tuple[Errand, ...]
     people: tuple[Coming, ...]
     recording: Recording | None = None
+    lost: bool = False
 
 
 class World:
@@ -124,6 +126,7 @@ class World:
             self._mail,
             settings.speed_m_s,
             self._stands,
+            plan.lost,
         )
 
     def start(self) -> None:

@@ -50,6 +50,10 @@ def page_data(
         ],
         "beliefs": _beliefs(record),
         "goals": [[_s(at_ns), goal] for at_ns, goal in evenly(record.goals, MOST_GOALS)],
+        "places": [
+            [_s(at_ns), *([place, round(p, 4)] for place, p in rows)]
+            for at_ns, rows in evenly(record.whereabouts.each, MOST_GOALS)
+        ],
         "meetings": _meetings(record),
         "decisions": [
             {

@@ -37,6 +37,25 @@ class Believed:
     compared: FinalBelief
 
 
+class Whereabouts:
+    """Where a robot that was lost may have been: places ahead with their probabilities, by time."""
+
+    def __init__(self) -> None:
+        self.each: list[tuple[int, list[tuple[int, float]]]] = []
+        self._visit = -1
+
+    def hear(self, sent: Sent) -> None:
+        """Take in what the geographer says; of a robot that was never lost there is nothing."""
+        match sent.message:
+            case m.Registrations() as said:
+                self._visit = said.visit
+                likely = zip(said.places.tolist(), said.weights.tolist(), strict=True)
+                self.each.append((sent.said_ns, sorted(likely, key=lambda row: -row[1])))
+            case m.MapBelief() as said if self.each and said.visit != self._visit:
+                columns = said.junctions.shape[1]
+                self.each.append((sent.said_ns, [(said.y * columns + said.x, 1.0)]))
+
+
 class Record:
     """All of a run that its page shows."""
 
@@ -49,6 +68,7 @@ class Record:
         self.pings: list[Ping] = []
         self.beliefs: list[Believed] = []
         self.goals: list[tuple[int, int]] = []
+        self.whereabouts = Whereabouts()
         self.errands: list[m.TrueErrand] = []
 
     def hear(self, sent: Sent) -> None:
@@ -67,6 +87,7 @@ class Record:
                 self._aim(asked, sent.said_ns)
             case m.TrueErrand() as errand:
                 self.errands.append(errand)
+        self.whereabouts.hear(sent)
         self.trail.hear(sent)
         self.people.hear(sent)
         self.story.hear(sent)

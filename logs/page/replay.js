@@ -1,6 +1,7 @@
 // The building at one moment: where the robot is, what it hears, what it believes.
 // trail: [time, x, y, heading in degrees]; pings: [time, range in cm of each transducer, 0: none];
-// beliefs: [time, P of each corridor]; goals: [time, intersection or -1].
+// beliefs: [time, P of each corridor]; goals: [time, intersection or -1];
+// places, of a robot that was lost: [time, [intersection that may be ahead, P] ...].
 
 const map = byId("map");
 const unit = map ? Number(map.dataset.size) / 45 : 1; // metres that read well on the map
@@ -32,6 +33,13 @@ function beliefAt(t) {
 function placeWords(intersection) {
   const columns = run.building.columns.length;
   return `${intersection % columns},${Math.floor(intersection / columns)}`;
+}
+
+/** Where a robot that was lost may be heading: one row, or none. */
+function aheadAt(t) {
+  const rows = run.places[lastBefore(run.places, t)]?.slice(1);
+  const words = rows?.map(([place, p]) => `${placeWords(place)} (${p.toFixed(3)})`).join(", ");
+  return words ? [["junction ahead", words]] : [];
 }
 
 function placeAt(intersection) {
@@ -138,6 +146,7 @@ function drawReplay() {
   }
   describe([
     ["robot", pose ? `${pose.x.toFixed(1)} m east, ${pose.y.toFixed(1)} m north` : "not known yet"],
+    ...aheadAt(state.t),
     ["errand", goal >= 0 ? `to ${placeWords(goal)}` : "none"],
     ["idle", idle ? `waits for decision ${idle.id} (${idle.kind})` : "no"],
     ["person", meeting ? `encounter ${meeting.encounter}` : "nobody"],

@@ -33,6 +33,7 @@ class Story:
     def __init__(self) -> None:
         self._building: m.TrueBuilding | None = None
         self._said: dict[DecisionId, Sent] = {}
+        self._lost: dict[int, m.RegistrationDecision] = {}  # by the number of the path decision
         self._reactions: list[Sent] = []
         self._left: dict[int, tuple[int, int]] = {}
         self._blocked: dict[int, tuple[int, int]] = {}
@@ -48,6 +49,8 @@ class Story:
                 self._said.setdefault(("path", decision), sent)
             case m.SensingDecision(decision=decision):
                 self._said.setdefault(("sensing", decision), sent)
+            case m.RegistrationDecision(decision=decision) as lost:
+                self._lost[decision] = lost
             case m.ReactionDecision():
                 self._reactions.append(sent)
             case m.Reading(action=action) as reading:
@@ -67,6 +70,8 @@ class Story:
                 self._blocked[visit] = (heading, sent.said_ns)
                 if visit - 1 in self._place:
                     self._place[visit] = self._place[visit - 1]
+            case m.AtErrand(visit=visit, here=True) if visit - 1 in self._place:
+                self._place[visit] = self._place[visit - 1]
             case m.Arrival(visit=visit):
                 self._visit = visit
             case m.TruePose(place=place):
@@ -107,9 +112,27 @@ class Story:
         known_s = float(said.known_s[junction_type])
         unknown_s = float(said.unknown_s[junction_type])
         where = f"{NAME[heading]} at a {type_name(junction_type)} junction"
+        if said.decision in self._lost:
+            return Told(self._unsure(self._lost[said.decision], junction_type, where), left_ns)
         if said.explores[junction_type]:
             return Told(f"took the unknown way {where}: {_against(unknown_s, known_s)}", left_ns)
         return Told(f"took the known way {where}: {_against(known_s, unknown_s)}", left_ns)
+
+    def _unsure(self, said: m.RegistrationDecision, junction_type: int, where: str) -> str:
+        """What a robot did that might have been in several places, and what else it would cost."""
+        now_s, look_s = float(said.now_s[junction_type]), float(said.look_s[junction_type])
+        at = self._named(int(said.acts_at[junction_type]))
+        if said.detour[junction_type]:
+            at = f"{self._named(int(said.looks_at[junction_type]))}, if this is {at}"
+            return f"went {where} to look at {at}: {_against(look_s, now_s)}"
+        return f"went {where}, as if this were {at}: {_against(now_s, look_s)}"
+
+    def _named(self, place: int) -> str:
+        """An intersection as x,y."""
+        if self._building is None or place < 0:
+            return "unknown"
+        y, x = divmod(place, len(self._building.columns_m))
+        return f"{x},{y}"
 
     def _junction_type(self, said: m.PathDecision, heading: int) -> int | None:
         """The type that was met: the true one, or else the first that leads the way taken."""

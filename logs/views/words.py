@@ -9,6 +9,7 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 from bus import messages as m
 from bus.grid import LETTER, type_name
 from bus.wire import Sent
+from logs.views.lost import at_errand, looks_or_acts, may_be_at
 from logs.views.stamps import stamp
 
 _NS_PER_S = 1e9
@@ -35,6 +36,10 @@ def _line(message: m.Message) -> Line | None:
             return Log.INFO, _sensing(message)
         case m.PathDecision():
             return Log.INFO, _path(message)
+        case m.RegistrationDecision():
+            return Log.INFO, looks_or_acts(message)
+        case m.Registrations():
+            return Log.INFO, may_be_at(message)
         case m.ReactionDecision():
             utilities = ", ".join(f"{u:.4g}" for u in message.expected_utility.tolist())
             return Log.INFO, f"reaction: {message.act}; expected utilities {utilities}"
@@ -52,6 +57,8 @@ def _line(message: m.Message) -> Line | None:
 
 def _world_line(message: m.Message) -> Line | None:
     match message:
+        case m.AtErrand():
+            return Log.INFO, at_errand(message)
         case m.TrueErrand():
             time_s = (message.ended_ns - message.began_ns) / _NS_PER_S
             return (

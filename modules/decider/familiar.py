@@ -2,9 +2,8 @@
 
 "On the basis of how much time you have and how important it is for you to establish your location
 with regard to that recalled intersection, you will have to choose whether or not it is worth your
-while to look for the restaurant." A registration is a place where the robot may be; its weight is
-its prior times the exact evidence for what was observed, placed as it says. A detour costs time
-and tells the registrations apart, more or less; then the robot acts on one of them.
+while to look for the restaurant." A registration is a place where the robot may be. A detour costs
+time and tells the registrations apart, more or less; then the robot acts on one of them.
 """
 
 from __future__ import annotations
@@ -21,18 +20,21 @@ class FamiliarError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Familiar:
-    """What the decision rests on; times in seconds."""
+    """What the decision rests on; times in seconds.
+
+    A *case* is a registration, or one with a map of what is around it.
+    """
 
     probability: NDArray[np.float64]
-    """(registrations,): they sum to 1."""
+    """(cases,): they sum to 1."""
     act_s: NDArray[np.float64]
-    """(acts, registrations): what is left of the errand by each act, where each is the case."""
-    look_s: float
-    """The detour, there and back to where the errand goes on."""
+    """(acts, cases): what is left of the errand by each act, where each is the case."""
+    after_s: NDArray[np.float64]
+    """(acts, cases): the same where the detour is made first, its time included."""
     shows: NDArray[np.float64]
-    """(outcomes, registrations): P(what the detour shows | registration)."""
+    """(outcomes, cases): P(what the detour shows | case)."""
     left_s: float = np.inf
-    """Time until the errand is late."""
+    """Time until the errand is late; negative where it is late already."""
     late_price: float = 0.0
     """What each late second costs more, in seconds."""
 
@@ -41,11 +43,27 @@ class Familiar:
         for name, found in (("act_s", self.act_s), ("shows", self.shows)):
             if found.ndim != 2 or found.shape[1] != n or not len(found):
                 raise FamiliarError(f"{name}: found shape {found.shape}, expected (some, {n})")
+        if self.after_s.shape != self.act_s.shape:
+            shapes = f"found shape {self.after_s.shape}, expected {self.act_s.shape}, as of act_s"
+            raise FamiliarError(f"after_s: {shapes}")
         for name, sums in (("probability", self.probability.sum()), ("shows", self.shows.sum(0))):
             if not np.allclose(sums, 1.0, atol=1e-9):
                 raise FamiliarError(f"{name}: found a sum of {sums}, expected 1")
         if not (self.probability >= 0).all() or not (self.shows >= 0).all():
             raise FamiliarError("probabilities: found a negative one, expected at least 0")
+
+    @classmethod
+    def there_and_back(
+        cls,
+        probability: NDArray[np.float64],
+        act_s: NDArray[np.float64],
+        look_s: float,
+        shows: NDArray[np.float64],
+        left_s: float = np.inf,
+        late_price: float = 0.0,
+    ) -> Familiar:
+        """A detour that takes ``look_s`` and leads back to where the errand goes on."""
+        return cls(probability, act_s, look_s + act_s, shows, left_s, late_price)
 
     def cost_s(self, taken_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """What an errand costs that takes so long."""
@@ -78,31 +96,11 @@ class Detour:
         return self.worth_s > 1e-9 * abs(self.now_s)
 
 
-def registrations(
-    log_prior: NDArray[np.float64], log_evidence: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """P(registration | observations): prior times evidence, normalised; logs, both (n,).
-
-    ``log_evidence`` is what the belief over all maps returns for the observations placed as each
-    registration says. Raises FamiliarError where none is possible.
-    """
-    logs = log_prior + log_evidence
-    most = logs.max(initial=-np.inf)
-    if not np.isfinite(most):
-        raise FamiliarError(
-            f"registrations: found log weights {logs.tolist()}, expected a finite one"
-        )
-    weights = np.exp(logs - most)
-    found: NDArray[np.float64] = weights / weights.sum()
-    return found
-
-
 def decide_detour(asked: Familiar) -> Detour:
     """Act at once, or look first and act by what that shows, whichever costs less on average."""
     now = asked.cost_s(asked.act_s) @ asked.probability
-    later = asked.cost_s(asked.look_s + asked.act_s)
     joint = asked.shows * asked.probability
-    after = joint @ later.T  # (outcomes, acts), times the outcome's probability
+    after = joint @ asked.cost_s(asked.after_s).T  # (outcomes, acts), times their probability
     acts = after.argmin(axis=1)
     look = float(sum(after.min(axis=1).tolist()))
     return Detour(float(now.min()), look, int(now.argmin()), tuple(int(a) for a in acts))

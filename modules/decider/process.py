@@ -10,21 +10,32 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from bus.facts import Facts
-from bus.grid import OPPOSITE
-from bus.messages import AskedPath, JunctionStakes, MapBelief, PathDecision
+from bus.messages import (
+    AskedErrand,
+    AskedPath,
+    JunctionStakes,
+    MapBelief,
+    PathDecision,
+    RegistrationDecision,
+    Registrations,
+)
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.decider.decision import decide
 from modules.decider.effort import LADDER, largest_that_fits
 from modules.decider.methods import MethodInUse
 from modules.decider.outlook import WORLDS, decide_by_outlook, errands_of, most_worlds
-from modules.decider.rehearsal import rehearse
+from modules.decider.rehearsal import rehearse, rehearse_lost
 from modules.decider.settings import Settings
 from modules.decider.situation import Decision, Situation
 from modules.decider.stakes import Stakes, most_maps, regret_s, stakes_of, unsettled_at
+from modules.decider.told import situation_of, whereabouts_of
+from modules.decider.whereabouts import Whereabouts, decide_whereabouts
+from modules.decider.whereabouts import most_maps as most_maps_each
 
 POSSIBLE = 1e-9
 """Junction types less probable than this are not counted in the size of the problem."""
@@ -48,8 +59,12 @@ class Decider:
         self._belief: MapBelief | None = None
         self._been: frozenset[int] = frozenset()
         self._made_from: dict[str, MessageId] = {}  # the question and the belief
+        self._registrations: Registrations | None = None
+        self._due: AskedErrand | None = None
         self.handlers: Mapping[str, Handler] = {
+            "asked/errand": self._ask_errand,
             "asked/path": self._ask,
+            "belief/registrations": self._may_be,
             "belief/map": self._believe,
         }
 
@@ -65,18 +80,27 @@ class Decider:
         self._made_from["belief"] = turn.heard
         self._decide(turn)
 
+    def _ask_errand(self, said: AskedErrand, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._due = said
+
+    def _may_be(self, said: Registrations, turn: Turn) -> None:
+        turn.work("note", 1)
+        self._registrations = said
+        self._made_from["registrations"] = turn.heard
+
     def _decide(self, turn: Turn) -> None:
         asked, belief = self._asked, self._belief
         if asked is None or belief is None or asked.visit != belief.visit:
             return
         self._asked = None
-        situation = self._situation(asked, belief)
-        if self._method is not None:
-            found = self._method.decide(situation)
-        elif self._settings.model == "paper" or not situation.goals:
-            found = decide(situation, self._size(asked, belief, turn))
+        lost = whereabouts_of(self._grid, self._settings, asked, self._registrations, self._due)
+        if lost is not None and len(lost.situations) > 1:
+            found = self._by_whereabouts(lost, asked, turn)
         else:
-            found = self._by_outlook(situation, asked, belief, turn)
+            known = situation_of(self._grid, self._settings, asked, belief)
+            situation = known if lost is None else lost.situations[0]
+            found = self._registered(situation, asked, belief, turn)
         turn.work("path", found.cells)
         turn.say(
             PathDecision(
@@ -90,6 +114,37 @@ class Decider:
             ),
             *self._made_from.values(),
         )
+
+    def _by_whereabouts(self, lost: Whereabouts, asked: AskedPath, turn: Turn) -> Decision:
+        """Decide whether to look first where the robot is, and say why."""
+        types = int((lost.weights @ lost.ahead > POSSIBLE).sum())
+        cells = turn.costs.cells_within("path", turn.left_ns(asked.until_ns))
+        maps = most_maps_each(len(lost.situations), types, cells)
+        choice = decide_whereabouts(lost, maps, self._settings.unsure)
+        found = choice.decision
+        turn.say(
+            RegistrationDecision(
+                asked.decision,
+                asked.visit,
+                found.known_s,
+                found.unknown_s,
+                found.explores.astype(np.uint8),
+                choice.acts_at,
+                choice.looks_at,
+            ),
+            *self._made_from.values(),
+        )
+        return found
+
+    def _registered(
+        self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
+    ) -> Decision:
+        """Decide where the robot knows its place, or which of several is the case."""
+        if self._method is not None:
+            return self._method.decide(situation)
+        if self._settings.model == "paper" or not situation.goals:
+            return decide(situation, self._size(asked, belief, turn))
+        return self._by_outlook(situation, asked, belief, turn)
 
     def _by_outlook(
         self, situation: Situation, asked: AskedPath, belief: MapBelief, turn: Turn
@@ -115,23 +170,6 @@ class Decider:
         if maps is None:
             return None
         return stakes_of(situation, maps)
-
-    def _situation(self, asked: AskedPath, belief: MapBelief) -> Situation:
-        expected = asked.expected if self._settings.explores else np.zeros_like(asked.expected)
-        return Situation(
-            grid=self._grid,
-            place=self._grid.intersection(belief.x, belief.y),
-            came_from=OPPOSITE[belief.heading],
-            waypoints=tuple(asked.waypoints.tolist()),
-            tasks=asked.tasks,
-            expected=expected,
-            maps=belief.maps,
-            weights=belief.weights,
-            log_probability=belief.log_probability,
-            corridor_probability=belief.corridors,
-            corridor_s=belief.drive_s,
-            sensing_s=self._settings.sensing_s,
-        )
 
     def _size(self, asked: AskedPath, belief: MapBelief, turn: Turn) -> int:
         """Hypotheses per junction type: as many as fit into the time left, or as many as set."""
@@ -162,4 +200,6 @@ def _types(belief: MapBelief) -> int:
 def build(facts: Facts, settings: Settings, seed: int) -> Decider:
     """The decider of one run."""
     rehearse(facts.grid)
+    if facts.recall is not msgspec.UNSET:
+        rehearse_lost(facts.grid)
     return Decider(facts, settings, seed)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from bus.grid import Grid
+from bus.grid import JUNCTION_TYPES, Grid
 from modules.decider.decision import decide
 from modules.decider.methods import MethodInUse
 from modules.decider.outlook import decide_by_outlook
 from modules.decider.situation import Situation
+from modules.decider.whereabouts import Whereabouts, decide_whereabouts
 
 
 def toy(grid: Grid) -> Situation:
@@ -29,6 +32,14 @@ def toy(grid: Grid) -> Situation:
         corridor_s=np.ones(grid.corridors),
         sensing_s=1.0,
     )
+
+
+def rehearse_lost(grid: Grid) -> None:
+    """Decide where to go by either of two registrations."""
+    sure = toy(grid)
+    unsure = replace(sure, corridor_probability=0.5 * sure.corridor_probability)
+    ahead = np.full((2, JUNCTION_TYPES), 1.0 / JUNCTION_TYPES)
+    decide_whereabouts(Whereabouts((sure, unsure), np.array([0.5, 0.5]), ahead), len(sure.maps))
 
 
 def rehearse(grid: Grid) -> None:

@@ -2,7 +2,8 @@
 
 When the robot leaves an LDP and the classifier has finished with it, the belief is updated
 once: given that the corridor ahead will have been driven, it gives the prior of the junction at
-the far end and the set of maps for the next decision.
+the far end and the set of maps for the next decision. A robot that does not know where it is has
+a belief for each place where it may be.
 """
 
 from __future__ import annotations
@@ -13,46 +14,45 @@ from collections.abc import Mapping
 import numpy as np
 
 from bus.facts import Facts
-from bus.grid import OPPOSITE
+from bus.grid import LETTER
 from bus.messages import (
     Arrival,
+    AtErrand,
     Blocked,
     Departure,
     JunctionLikelihood,
     JunctionPrior,
-    MapBelief,
     PoseBelief,
 )
 from bus.turns import Handler, Turn
 from bus.wire import MessageId
 from modules.geographer.connected_maps import ConnectedMaps
-from modules.geographer.record import neighbour, nothing
-from modules.geographer.roads import unknown_roads
+from modules.geographer.map_belief import MapBelief as Exact
+from modules.geographer.mixture import ahead, map_belief, registrations, told, weighed
+from modules.geographer.registration import Registration, registrations_of, those_left
 from modules.geographer.sampling import rehearse, weighted_maps
 from modules.geographer.settings import Settings
 
 
 class Geographer:
-    """Keeps the record of what was observed and where the robot is on the grid."""
+    """Keeps the record of what was observed, and where the robot is or may be on the grid."""
 
     def __init__(self, facts: Facts, settings: Settings, seed: int) -> None:
         self._settings = settings
-        self._grid = facts.grid
         self._maps = ConnectedMaps(facts.columns, facts.rows)
-        self._record = nothing(self._grid)
-        self._roads = unknown_roads(self._grid)
+        self._registrations = registrations_of(facts)
         self._rng = np.random.default_rng([seed, 2])
-        self._place = facts.start
-        self._ahead = facts.start
         self._heading = facts.heading
         self._visit = 0
         self._classifying = False
         self._leaving: Departure | None = None
+        self._handed_over = False
         self._made_from: dict[str, MessageId] = {}  # the last message that went in, by topic
         self.handlers: Mapping[str, Handler] = {
             "percept/departure": self._departed,
             "percept/arrival": self._arrived,
             "percept/blocked": self._blocked,
+            "percept/errand": self._at_errand,
             "belief/pose": self._posed,
             "likelihood/junction": self._classified,
         }
@@ -69,26 +69,38 @@ class Geographer:
     def _classified(self, said: JunctionLikelihood, turn: Turn) -> None:
         turn.work("note", len(said.likelihood))
         if said.finished:
-            self._record = self._record.with_junction(self._place, said.likelihood)
+            self._registrations = tuple(r.classified(said.likelihood) for r in self._registrations)
             self._made_from["likelihood/junction"] = turn.heard
             self._classifying = False
             self._look_ahead(turn)
+            self._look_again(turn)
 
     def _arrived(self, said: Arrival, turn: Turn) -> None:
         turn.work("note", 1)
         self._made_from["percept/arrival"] = turn.heard
         if said.visit > 0:  # the first drive begins in the middle of a corridor
-            corridor = self._grid.corridor(*self._grid.place(self._place), said.heading)
-            self._roads = self._roads.driven(corridor, said.drive_s)
-        self._place = self._ahead
+            self._registrations = tuple(
+                r.drove(said.heading, said.drive_s) for r in self._registrations
+            )
+        self._registrations = tuple(r.arrived() for r in self._registrations)
         self._classifying = True
 
     def _blocked(self, said: Blocked, turn: Turn) -> None:
-        corridor = self._grid.corridor(*self._grid.place(self._place), said.heading)
-        if corridor >= 0:
-            self._record = self._record.with_corridor(corridor, exists=False)
+        self._registrations = tuple(r.blocked(said.heading) for r in self._registrations)
         self._visit = said.visit
         self._say_belief(turn)
+
+    def _at_errand(self, said: AtErrand, turn: Turn) -> None:
+        """Somebody waits at the errand's end and nowhere else."""
+        turn.work("note", 1)
+        self._made_from["percept/errand"] = turn.heard
+        fit = [r for r in self._registrations if (r.place == said.waypoint) == said.here]
+        who = "somebody" if said.here else "nobody"
+        seen = f"{who} who expects the robot at intersection {said.waypoint}"
+        self._registrations = those_left(fit, self._registrations, seen)
+        if said.here:
+            self._visit, self._handed_over = said.visit, True
+            self._look_again(turn)
 
     def _look_ahead(self, turn: Turn) -> None:
         """Update once the robot is on its way and the LDP it left is classified."""
@@ -97,39 +109,43 @@ class Geographer:
             return
         self._leaving = None
         self._visit, self._heading = said.visit, said.heading
-        if said.visit > 0:
-            self._ahead = neighbour(self._grid, self._place, said.heading)
-        behind = self._grid.corridor(*self._grid.place(self._ahead), OPPOSITE[said.heading])
-        self._record = self._record.with_corridor(behind, exists=True)
+        found = [r.departed(said.heading, first=said.visit == 0) for r in self._registrations]
+        seen = f"a corridor {LETTER[said.heading]}"
+        self._registrations = those_left(found, self._registrations, seen)
         self._say_belief(turn)
 
+    def _look_again(self, turn: Turn) -> None:
+        """Update where an errand was seen to, once the LDP is classified."""
+        if self._handed_over and not self._classifying:
+            self._handed_over = False
+            self._say_belief(turn)
+
+    def _believe(self, at: Registration) -> Exact:
+        record = at.record
+        return self._maps.posterior(
+            record.junctions, self._settings.corridor_odds, record.corridors
+        )
+
     def _say_belief(self, turn: Turn) -> None:
-        odds = self._settings.corridor_odds
-        record = self._record
-        belief = self._maps.posterior(record.junctions, odds, record.corridors)
-        maps = weighted_maps(belief, self._ahead, self._settings.maps_per_type, self._rng)
-        turn.work("belief", self._maps.update_cells + maps.cells)
-        x, y = self._grid.place(self._ahead)
+        every = weighed(self._registrations, self._believe)
+        believed = told(every)
+        untold = len(self._registrations) - len(believed)
+        self._registrations = tuple(one.at for one in every)
+        maps = [
+            weighted_maps(one.belief, one.at.ahead, self._settings.maps_per_type, self._rng)
+            for one in believed
+        ]
+        for cells in (*(some.cells for some in maps), *[0] * untold):
+            turn.work("belief", self._maps.update_cells + cells)
         made_from = self._made_from.values()
-        ahead = belief.junctions[y, x].copy()
-        turn.say(JunctionPrior(self._visit, x, y, self._heading, ahead), *made_from)
+        belief = map_belief(self._visit, self._heading, believed, maps)
         turn.say(
-            MapBelief(
-                self._visit,
-                x,
-                y,
-                self._heading,
-                belief.junctions,
-                belief.corridors,
-                self._roads.corridor_s(),
-                belief.log_evidence,
-                belief.entropy,
-                maps.maps,
-                maps.weights,
-                maps.log_probability,
-            ),
+            JunctionPrior(self._visit, belief.x, belief.y, self._heading, ahead(believed)),
             *made_from,
         )
+        if len(believed) > 1:  # before the map: who hears that decides
+            turn.say(registrations(self._visit, self._heading, believed, maps), *made_from)
+        turn.say(belief, *made_from)
 
 
 def build(facts: Facts, settings: Settings, seed: int) -> Geographer:

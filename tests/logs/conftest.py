@@ -99,6 +99,15 @@ BUILDING = m.TrueBuilding(
 )
 
 
+def may_be_at(visit: int, places: list[int], weights: list[float]) -> m.Registrations:
+    """Where a robot may be that has lost its place in the building of these tests."""
+    n, nothing = len(places), np.zeros((len(places), 4))
+    return m.Registrations(
+        visit, 2, np.array(places), np.array(weights), np.full((n, 16), 1 / 16), nothing, nothing,
+        np.arange(n), np.ones((n, 4), np.uint8), np.ones(n), np.zeros(n),
+    )  # fmt: skip
+
+
 def a_run() -> list[Sent]:
     """A short run with one late path decision, one that never came, errands and a meeting."""
     speaker = Speaker()

@@ -237,6 +237,27 @@ def test_a_path_decision_is_said_way_by_way() -> None:
     assert words.count(" if ") == 3
 
 
+def test_a_lost_robot_says_where_it_may_be_and_why_it_looks() -> None:
+    ahead, none = np.full((2, 16), 1 / 16), np.zeros(16)
+    said = m.Registrations(
+        4, 2, np.array([5, 3]), np.array([0.25, 0.75]), ahead, none[None], none[None],
+        np.zeros(1, np.int64), np.zeros((1, 4), np.uint8), np.ones(1), none[:1],
+    )  # fmt: skip
+    assert _words(said) == (Log.INFO, "visit 4 may be at intersection 3 (0.750), 5 (0.250)")
+    now_s, look_s, looks = np.full(16, np.inf), np.full(16, np.inf), np.zeros(16, np.uint8)
+    acts_at, looks_at = np.full(16, -1), np.full(16, -1)
+    now_s[[3, 5]], acts_at[[3, 5]] = (1868.4, 660.0), (11, 9)
+    look_s[3], looks[3], looks_at[3] = 1705.2, 1, 4
+    decision = m.RegistrationDecision(7, 3, now_s, look_s, looks, acts_at, looks_at)
+    assert _words(decision) == (
+        Log.INFO,
+        "path decision 7, visit 3: NE: as if at 11 looks at 4 first, 1,705 s against 1,868 s at "
+        "once; NS: goes as if at 9, 660 s; after a look: nowhere to look",
+    )
+    assert _words(m.AtErrand(2, 24, here=False))[1].startswith("nobody expects the robot here")
+    assert _words(m.AtErrand(3, 24, here=True))[1].endswith("this is intersection 24")
+
+
 def test_a_decision_in_time_is_no_news() -> None:
     assert Views(EPOCH_NS).of(_sent(entry(1, "path", 0, 240, 50))) == []
 

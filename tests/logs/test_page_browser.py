@@ -12,7 +12,7 @@ from bus.wire import Sent
 from logs.picture import write_page
 from logs.study import study
 from tests.logs.browser import CHROMIUM, NO_CHROMIUM, Document, show
-from tests.logs.conftest import MakeLog, S, Speaker, a_run
+from tests.logs.conftest import MakeLog, S, Speaker, a_run, may_be_at
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
 
@@ -67,6 +67,18 @@ def test_the_address_decides_what_is_shown(page: Path) -> None:
     assert "late by 20.0 s: overrun; stand" in document.by_id("chosen").words
     assert str(document.by_id("goal").attributes["transform"]).startswith("translate(20.000 -30.")
     assert document.by_id("person").attributes.get("hidden") == ""
+
+
+def test_a_lost_robot_shows_where_it_may_be(make_log: MakeLog, tmp_path: Path) -> None:
+    speaker = Speaker()
+    for sent in a_run():
+        if sent.said_ns == 240 * S:
+            speaker.say(240, may_be_at(1, [1, 2], [0.25, 0.75]))
+        speaker.say(sent.said_ns / S, sent.message)
+    out = tmp_path / "lost.html"
+    write_page(study(make_log(speaker.said)), out)
+    assert "0,1 (0.750), 1,0 (0.250)" in show(out, "#t=245").document.by_id("state").words
+    assert "junction ahead" not in show(out, "#t=10").document.by_id("state").words
 
 
 def test_echoes_belief_and_words_are_those_of_the_moment(page: Path) -> None:

@@ -26,7 +26,7 @@ from logs.page.record import Record
 from logs.page.spans import MOST, Spans
 from logs.page.thin import evenly
 from tests.logs.browser import Document
-from tests.logs.conftest import S, Speaker, entry
+from tests.logs.conftest import S, Speaker, entry, may_be_at
 
 TOO_LARGE = 8_000_000
 
@@ -36,6 +36,14 @@ def _recorded(said: list[Sent]) -> tuple[Record, list[m.LedgerEntry]]:
     for sent in said:
         record.hear(sent)
     return record, [s.message for s in said if isinstance(s.message, m.LedgerEntry)]
+
+
+def test_where_a_lost_robot_may_be_is_told_until_it_knows(run: list[Sent]) -> None:
+    assert page_data(*_recorded(run), (), 600.0)["places"] == []
+    said = [Speaker().say(3, may_be_at(1, [1, 2], [0.25, 0.75])), *run]
+    data = page_data(*_recorded(said), (), 600.0)
+    # the belief of visit 0 and that of visit 2 have no registrations beside them
+    assert data["places"] == [[3, [2, 0.75], [1, 0.25]], [1, [0, 1.0]], [598, [0, 1.0]]]
 
 
 def test_the_data_of_a_run(run: list[Sent]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from bus import messages as m
 from logs.page.people import People
@@ -52,6 +53,38 @@ def test_a_path_is_told_by_the_branch_that_was_taken(decision: m.PathDecision, w
     story = _story(decision, *ARRIVED, m.Departure(2, 2))
     told = story.tell(entry(1, "path", 0, 240, 50))
     assert (told.words, told.at_ns) == (words, 10 * S)
+
+
+def _lost(looks: bool) -> m.RegistrationDecision:
+    """At a NE junction: as if at 1,0 look at 1,1 first, or go at once."""
+    nothing, at = np.full(16, INF), np.full(16, -1)
+    now_s, look_s, acts_at, looks_at = nothing.copy(), nothing.copy(), at.copy(), at.copy()
+    now_s[3], look_s[3], acts_at[3], looks_at[3] = 900, 700, 1, 3 if looks else -1
+    return m.RegistrationDecision(
+        1, 1, now_s, look_s, np.full(16, looks, np.uint8), acts_at, looks_at
+    )
+
+
+@pytest.mark.parametrize(
+    ("looks", "words"),
+    [
+        (True, "went east at a NE junction to look at 1,1, if this is 1,0: 700 s against 900 s"),
+        (False, "went east at a NE junction, as if this were 1,0: 900 s against 700 s"),
+    ],
+)
+def test_a_path_of_a_lost_robot_is_told_with_what_it_took_the_place_for(
+    looks: bool, words: str
+) -> None:
+    said = (_lost(looks), _path(looks, 900, 700), *ARRIVED, m.Departure(2, 2))
+    assert _story(*said).tell(entry(1, "path", 0, 240, 50)).words == words
+
+
+def test_after_a_hand_over_it_stands_where_it_stood() -> None:
+    decision = _path(True, 530, 412)
+    asked_again = replace(decision, visit=2)
+    story = _story(*ARRIVED, m.AtErrand(2, 0, here=True), asked_again, m.Departure(3, 2))
+    told = story.tell(entry(1, "path", 0, 240, 50)).words
+    assert told == "took the unknown way east at a NE junction: 412 s against 530 s"
 
 
 def test_a_path_that_was_not_taken_is_not_told_as_if_it_were() -> None:

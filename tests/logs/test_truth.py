@@ -36,6 +36,9 @@ def test_a_visit_is_placed_by_the_pose_that_follows_its_arrival() -> None:
     assert truth.feature(m.Reading(1, 1, 1, 0, 0.9, 3, 8)) is True
     assert truth.hear(m.Blocked(2, 2)) == 2
     assert truth.place(2) == 2
+    assert truth.hear(m.AtErrand(2, 3, here=False)) is None
+    assert truth.hear(m.AtErrand(3, 2, here=True)) == 3
+    assert truth.place(3) == 2
     assert (
         truth.place(9),
         truth.junction_type(9),

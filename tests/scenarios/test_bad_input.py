@@ -63,7 +63,8 @@ FILES = {
     ),
     "unknown key, nothing like it": (
         OFFICE + "colour = 3\n",
-        "errand[0].colour: found an unknown key, expected one of from, to, expected_again",
+        "errand[0].colour: found an unknown key, expected one of from, to, expected_again, due_s, "
+        "late_price",
     ),
     "unknown key deep down": (
         OFFICE + "[[world.person]]\nenters = { at_s = 3, corrdor = 1 }\n",
@@ -272,6 +273,19 @@ def test_a_bad_floor_plan_is_refused_with_its_file(plan: str, message: str) -> N
 
 
 CHANGES = {
+    "an entry that there is not": (
+        "errand.1.due_s=3",
+        "--set errand.1.due_s=3: found errand with 1 entries, expected a table there",
+    ),
+    "a name for a number": (
+        "errand.first.due_s=3",
+        "--set errand.first.due_s=3: found errand with 1 entries, expected a table there",
+    ),
+    "an array for a table": (
+        "errand.due_s=3",
+        "--set errand.due_s=3: found errand = [{'from': [0, 0], 'to': [2, 1]}], expected a table "
+        "there",
+    ),
     "no value": ("seed", "--set seed: found no KEY=VALUE, expected for example seed=2"),
     "no key": ("=3", "--set =3: found no KEY=VALUE, expected for example seed=2"),
     "a gap in the key": (
@@ -308,6 +322,14 @@ def test_a_bad_change_is_refused(change: str, message: str) -> None:
 def test_a_change_reaches_the_scenario() -> None:
     said = launch(OFFICE, "--json", "--set", "world.until_s=9.5")
     assert (said.status, said.json["simulated_s"]) == (0, 9.5)
+
+
+def test_a_change_reaches_an_entry_of_an_array() -> None:
+    refused(
+        launch(OFFICE, "--set", "errand.0.due_s=-1"),
+        "office.toml --set errand.0.due_s=-1: errand[0].due_s: found -1, "
+        "expected float >= 0 and <= 1e+09",
+    )
 
 
 LOGS = {

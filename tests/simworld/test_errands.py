@@ -106,6 +106,17 @@ def test_what_waits_counts_once_more_than_what_is_to_come() -> None:
     assert queue.expected()[1].tolist() == [0.0, 0.5, 2.0]
 
 
+def test_the_next_waypoint_and_when_it_is_due() -> None:
+    queue = ErrandQueue((Errand(1, 2, 0.0, due_s=1.5, late_price=3.0), Errand(2, 3, 0.0)), 9)
+    assert (queue.waypoint, queue.due) == (1, None), "its goal is due, not its start"
+    queue.reached(1, 5)
+    assert (queue.waypoint, queue.due) == (2, (1_500_000_000, 3.0))
+    queue.reached(2, 6)
+    assert (queue.waypoint, queue.due) == (3, None), "no time is set for this one"
+    queue.reached(3, 7)
+    assert (queue.waypoint, queue.due) == (None, None)
+
+
 def test_no_errands() -> None:
     tasks, expected = errands().expected()
     assert tasks.shape == (0, 2)
