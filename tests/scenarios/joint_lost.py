@@ -196,7 +196,7 @@ def rows_of(maps: Maps, listed: Maps) -> list[int]:
 
 
 def lost_walk(
-    grid: Grid, maps: Maps, sensor: Floats, recall: Recall, said: Sequence[Sent]
+    grid: Grid, maps: Maps, sensor: Floats, astray: float, recall: Recall, said: Sequence[Sent]
 ) -> tuple[list[Moment], LostWalk]:
     """All beliefs of a run with what they should be."""
     recalled = np.ones(len(maps))
@@ -205,7 +205,9 @@ def lost_walk(
         recalled = recalled * np.where(right, one.certain, (1.0 - one.certain) / 15)
     robot = LostWalk(
         [
-            Place(Joint(grid, maps, sensor, one.probability * recalled), one.place, one.place)
+            Place(
+                Joint(grid, maps, sensor, astray, one.probability * recalled), one.place, one.place
+            )
             for one in recall.may_be_at
         ]
     )

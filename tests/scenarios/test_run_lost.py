@@ -90,7 +90,7 @@ def checked(seed: int, build: Any = unmoved) -> Checked:
     said = everything_said(scenario, build)
     recall = draw_ground(scenario, generator(scenario)).facts.recall
     assert isinstance(recall, Recall)
-    return Checked(said, *lost_walk(GRID, MAPS, SENSOR, recall, said))
+    return Checked(said, *lost_walk(GRID, MAPS, SENSOR.probability, SENSOR.astray, recall, said))
 
 
 run = cache(checked)
