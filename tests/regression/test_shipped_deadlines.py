@@ -28,5 +28,6 @@ def test_every_decision_is_what_it_was(name: str, runs: Runs, baseline: Baseline
     assert baseline.holds(runs, name)
     assert all(run.ended == "done" for run in runs)
     assert runs.deadlines("path").slack_at_least("5 s")
-    assert runs.deadlines("sensing").slack_at_least("5 s")
+    # The classifier takes the longest plans that fit, and may take all the time there is.
+    assert runs.deadlines("sensing").slack_at_least("1 s")
     assert runs.deadlines("reaction").all_met()
