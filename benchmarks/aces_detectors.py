@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bus.features import DOOR_JAMB, FEATURES, USUAL
-from bus.grid import DIRECTIONS, EAST, LETTER, NORTH, OPPOSITE, SOUTH, WEST, type_name
+from bus.grid import DIRECTIONS, LETTER, OPPOSITE, type_name
 from modules.classifier.geometry import presence
 from modules.classifier.likelihood import Reading, junction_likelihood
 from modules.classifier.sensor_model import SHIPPED, SensorModel, load_sensor_model
@@ -32,6 +32,7 @@ from modules.detectors.views import view_of
 from simworld.carmen import Scan, read_carmen
 from simworld.floor_plan import FloorPlan
 from simworld.laser_ring import ring_readings
+from simworld.motion import HEADING_RAD
 from simworld.occupancy import plan_of_scans
 from simworld.survey import Junction, survey
 from simworld.survey.space import Space, space_of
@@ -44,8 +45,6 @@ NEEDED = 4
 
 OPEN_M = 4.0
 """A side is open if the robot could drive so far out of it from the junction's middle."""
-
-HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
 
 @dataclass(frozen=True)

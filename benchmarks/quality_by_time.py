@@ -28,8 +28,7 @@ from benchmarks.questions import Meeting, Questions, asked_in_runs, spread
 from bus.costs import HUEY_CELL_NS, HUEY_COMPILED_NS, CostModel, WhyStopped
 from modules.classifier import anytime as sensing
 from modules.classifier.choose import STOP, Problem
-from modules.classifier.sensor_model import EVIDENCE_CLASSES
-from modules.classifier.worth import LOOK_AHEAD, Best, most_cells, worth
+from modules.classifier.worth import LOOK_AHEAD, Best, worth
 from modules.decider import LADDER, Decision, Situation, decide, largest_that_fits
 from modules.decider import anytime as path
 from modules.decider.judging import excess_s
@@ -102,11 +101,8 @@ class SensingJudge:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._saved_s = [self._judged(k) for k in range(len(problem.belief))]
-        types = int(problem.entered.sum())
-        free = int(problem.free.sum())
         self._cells = {
-            ahead: problem.cells_of_beliefs
-            + len(problem.belief) * most_cells(free, ahead, EVIDENCE_CLASSES, types + 1, types)
+            ahead: problem.cells_of_beliefs + len(problem.belief) * problem.cells_of_plans(ahead)
             for ahead in LOOK_AHEAD
         }
 

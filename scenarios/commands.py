@@ -27,6 +27,12 @@ app.add_typer(calibrate, name="calibrate")
 Json = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")
 ]
+InProcess = Annotated[
+    bool, typer.Option("--in-process", help="Run everything in one process; same log.")
+]
+RunLog = Annotated[
+    str | None, typer.Option(help="Where the log goes; default logs/runs/NAME-seedN-TIME.mcap.")
+]
 
 
 @app.command(
@@ -41,12 +47,8 @@ def launch(
         str | None, typer.Argument(help="A shipped scenario's name or a TOML file.")
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Instead of the scenario's own.")] = None,
-    in_process: Annotated[
-        bool, typer.Option("--in-process", help="Run everything in one process; same log.")
-    ] = False,
-    log: Annotated[
-        str | None, typer.Option(help="Where the log goes; default logs/runs/NAME-seedN-TIME.mcap.")
-    ] = None,
+    in_process: InProcess = False,
+    log: RunLog = None,
     change: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the scenario."),
@@ -77,12 +79,8 @@ def replay_carmen(
             help="A CARMEN log (.log, .log.gz) with FLASER and ODOM lines, poses corrected.",
         ),
     ],
-    in_process: Annotated[
-        bool, typer.Option("--in-process", help="Run everything in one process; same log.")
-    ] = False,
-    log: Annotated[
-        str | None, typer.Option(help="Where the log goes; default logs/runs/NAME-seedN-TIME.mcap.")
-    ] = None,
+    in_process: InProcess = False,
+    log: RunLog = None,
     scenario: Annotated[
         Path | None, typer.Option(metavar="TOML", help="Also write the scenario that is run.")
     ] = None,

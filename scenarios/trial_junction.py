@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from bus.features import DOOR_JAMB, PLACES, Place
-from bus.grid import DIRECTIONS, EAST, NORTH, OPPOSITE, SOUTH, WEST, Grid
+from bus.grid import DIRECTIONS, EAST, NORTH, OPPOSITE, Grid
 from modules.classifier.geometry import JAMB_RATE
 from simworld.building import Building, build
 from simworld.fittings import Doorway, Side, fitted
-from simworld.motion import Pose
+from simworld.motion import HEADING_RAD, Pose
 
 CORRIDOR_M = 20.0
 """Longer than the sonar reaches, so that a far end never looks like a wall of the junction."""
@@ -33,7 +33,6 @@ BYSTANDER_RADIUS_M = 0.25
 BYSTANDER_KEEPS_OFF_M = 0.6
 """The least distance between the centres of a bystander and the robot."""
 
-_HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 _OTHER: dict[Side, Side] = {"left": "right", "right": "left"}
 
 
@@ -79,7 +78,7 @@ def at_port(
 
     ``askew_rad`` is how far it is turned.
     """
-    axis = _HEADING_RAD[heading]
+    axis = HEADING_RAD[heading]
     back_m = along_m - building.corridor_width_m / 2
     return Pose(
         back_m * math.cos(axis) - lateral_m * math.sin(axis),

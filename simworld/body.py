@@ -12,7 +12,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from bus.grid import EAST, NORTH, SOUTH, WEST
 from bus.messages import DRIVE, PING, TURN
 from simworld.abeam import look_abeam
 from simworld.approach import GATE, LOOKS_FROM_M, Expected, Stop, approach
@@ -31,8 +30,6 @@ from simworld.motion import (
 )
 from simworld.ports import ears_of
 from simworld.sonar import People, SonarRing, Surroundings, echoes
-
-HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
 BACK_SIGMA_M = 0.03
 BACK_SIGMA_RAD = math.radians(1.0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bus.grid import DIRECTIONS, EAST, NORTH, SOUTH, WEST
 from simworld.building import Building
 from simworld.floor_plan import FloorPlan
+from simworld.motion import HEADING_RAD
 from simworld.sonar import Surroundings
 
 ACROSS_M = np.linspace(-0.7, 0.7, 57)
@@ -28,8 +29,6 @@ ROOM_M = 1.0
 
 LEAN = 0.05
 """Metres of room that a metre off the grid line must gain."""
-
-AHEAD_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
 
 
 def crossing_m(surroundings: Surroundings, building: Building, place: int) -> tuple[float, float]:
@@ -65,7 +64,7 @@ def _narrowest_m(
     plan: FloorPlan, at_m: tuple[float, float], side: int, half_m: float
 ) -> NDArray[np.float64]:
     """Least room on each way into the corridor on one side, (ways,), west or south first."""
-    c, s = math.cos(AHEAD_RAD[side]), math.sin(AHEAD_RAD[side])
+    c, s = math.cos(HEADING_RAD[side]), math.sin(HEADING_RAD[side])
     along, across = half_m + INTO_M[:, None], ACROSS_M[None, :]
     x_m = at_m[0] + along * c + across * abs(s)
     y_m = at_m[1] + along * s + across * abs(c)

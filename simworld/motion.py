@@ -13,6 +13,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from bus.grid import EAST, NORTH, SOUTH, WEST
+
+HEADING_RAD = {EAST: 0.0, NORTH: math.pi / 2, WEST: math.pi, SOUTH: -math.pi / 2}
+"""The way that each direction bit points, counter-clockwise from east."""
+
 
 class MotionError(ValueError):
     """A primitive or a rate that no body can follow."""

@@ -22,11 +22,11 @@ from bus.messages import (
     Motion,
     Sonar,
 )
-from simworld.body import HEADING_RAD, primitive
+from simworld.body import primitive
 from simworld.building import Building
 from simworld.crossing import crossing_m
 from simworld.deadlines import Deadlines
-from simworld.motion import Drive, Ping, Pose, Rates, Turn, duration_ns
+from simworld.motion import HEADING_RAD, Drive, Ping, Pose, Rates, Turn, duration_ns
 from simworld.recording import Recording
 from simworld.robot import STOP
 from simworld.sonar import SonarRing

@@ -28,11 +28,11 @@ from bus.messages import (
     TrueErrand,
     TruePose,
 )
-from simworld.body import HEADING_RAD, Body, primitive
+from simworld.body import Body, primitive
 from simworld.building import Building
 from simworld.deadlines import Deadlines
 from simworld.errands import ErrandQueue, shortest_s
-from simworld.motion import Drive, Ping, Pose, Turn
+from simworld.motion import HEADING_RAD, Drive, Ping, Pose, Turn
 from simworld.travel import Senses, Steps, Travel, Way
 from simworld.voice import Mailbox, Speaker
 

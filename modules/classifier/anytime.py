@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from bus.costs import WhyStopped
 from modules.classifier.choose import Choice, Problem
-from modules.classifier.sensor_model import EVIDENCE_CLASSES
-from modules.classifier.worth import LOOK_AHEAD, STOP_ROW, Best, most_cells
+from modules.classifier.worth import LOOK_AHEAD, STOP_ROW, Best
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +43,7 @@ def refine(problem: Problem, cells: int, most: int = LOOK_AHEAD[-1]) -> Refined:
     look_ahead = np.zeros(len(problem.belief), dtype=np.int64)
     used, stopped = problem.cells_of_beliefs, _finished(steps)
     for ahead, outcome in steps:
-        if used + _cells_of_step(problem, ahead) > cells:
+        if used + problem.cells_of_plans(ahead) > cells:
             stopped = "out of cells"
             break
         better = problem.best(outcome, ahead)
@@ -67,9 +66,3 @@ def _open(problem: Problem) -> list[int]:
 def _finished(steps: list[tuple[int, int]]) -> WhyStopped:
     """Why it stops once all steps are done."""
     return "nothing left" if steps else "settled"
-
-
-def _cells_of_step(problem: Problem, look_ahead: int) -> int:
-    """The most cells that one outcome's plans can touch."""
-    types = int(problem.entered.sum())
-    return most_cells(int(problem.free.sum()), look_ahead, EVIDENCE_CLASSES, types + 1, types)

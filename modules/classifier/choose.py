@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bus.features import Wedges
 from bus.grid import DIRECTIONS, JUNCTION_TYPES
-from modules.classifier.geometry import enterable, heading_number, layouts
+from modules.classifier.geometry import enterable, heading_number, layouts, members
 from modules.classifier.likelihood import (
     STATES,
     Reading,
@@ -152,6 +152,10 @@ class Problem:
         """Table entries touched to find the beliefs after each outcome, and what is told then."""
         return _cells_of_beliefs(self.readings, len(self.belief), len(self.codes))
 
+    def cells_of_plans(self, look_ahead: int) -> int:
+        """The most table entries that one outcome's plans of so many tests can touch."""
+        return _cells_of_plans(int(self.free.sum()), look_ahead, int(self.entered.sum()))
+
     @property
     def free(self) -> NDArray[np.bool_]:
         """Which detectors may still be used, by row."""
@@ -217,7 +221,7 @@ def cells_before(
     free = sum(code not in used for code in codes.tolist())
     outcomes = 1 if running is None else EVIDENCE_CLASSES
     types = int(enterable(heading).sum())
-    plans = most_cells(free, ahead, EVIDENCE_CLASSES, types + 1, types)
+    plans = _cells_of_plans(free, ahead, types)
     return _cells_of_beliefs(len(readings), outcomes, len(codes)) + outcomes * plans
 
 
@@ -245,6 +249,11 @@ def rehearse(model: SensorModel) -> None:
     """A first choice, so that everything is compiled before anybody waits for a real one."""
     uniform = np.full(JUNCTION_TYPES, 1 / JUNCTION_TYPES)
     choose(uniform, [], None, DIRECTIONS[0], model, flat_cost_s(), LOOK_AHEAD[0])
+
+
+def _cells_of_plans(free: int, ahead: int, types: int) -> int:
+    """The most that one outcome's plans touch: over the types, and a visit gone astray."""
+    return most_cells(free, ahead, EVIDENCE_CLASSES, types + 1, types)
 
 
 def _cells_of_beliefs(readings: int, outcomes: int, searched: int) -> int:
@@ -309,7 +318,7 @@ def _told(
     (layouts,), what the layouts weigh. So the next reading is reckoned exactly; those that follow
     it in a plan are taken to be independent of it given the type.
     """
-    types = by_type(np.eye(len(weights)), heading)[:, enterable(heading)]
+    types = members(heading)
     of_type = types * weights[:, None]
     sums = of_type.sum(axis=0)
     # What is told of a type that cannot be does not matter.

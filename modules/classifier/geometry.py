@@ -88,6 +88,24 @@ def share(layout: Layout, heading: int) -> float:
     return float(DOORWAY_RATE**doors * (1.0 - DOORWAY_RATE) ** (ways - doors))
 
 
+@cache
+def shares(heading: int) -> NDArray[np.float64]:
+    """:func:`share` of every layout, in their order: (layouts,)."""
+    found = np.array([share(layout, heading) for layout in layouts(heading)])
+    found.flags.writeable = False
+    return found
+
+
+@cache
+def members(heading: int) -> NDArray[np.float64]:
+    """1 where a layout is of a type that can be entered: (layouts, types), types in order."""
+    types = np.array([layout.type for layout in layouts(heading)])
+    same = types[:, None] == np.flatnonzero(enterable(heading))
+    found: NDArray[np.float64] = same.astype(np.float64)
+    found.flags.writeable = False
+    return found
+
+
 def shown(layout: Layout, heading: int, wedges: Wedges = USUAL) -> NDArray[np.float64]:
     """Pr(X_{f,w}=1|layout): (features, wedges).
 

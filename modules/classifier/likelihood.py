@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from bus.features import Wedges
 from bus.grid import JUNCTION_TYPES, NORTH
-from modules.classifier.geometry import enterable, heading_number, layouts, share
+from modules.classifier.geometry import enterable, heading_number, layouts, shares
 from modules.classifier.sensor_model import EVIDENCE_CLASSES, SensorModel
 
 STATES = len(layouts(NORTH)) + 1
@@ -57,8 +57,7 @@ def visit_likelihood(
     """
     check_readings(readings, model.wedges)
     number = heading_number(heading)
-    found = np.array([share(layout, heading) for layout in layouts(heading)])
-    found = np.append((1.0 - model.astray) * found, model.astray)
+    found = np.append((1.0 - model.astray) * shares(heading), model.astray)
     for reading in readings:
         found = found * model.class_given_state[number, reading.detector, :, reading.evidence]
     return found

@@ -11,9 +11,9 @@ from bus.grid import LETTER
 from bus.messages import Arrival, TruePose
 from scenarios.draw import draw
 from scenarios.scenario import check
-from simworld.body import HEADING_RAD
 from simworld.crossing import crossing_m
 from simworld.floor_plan import FloorPlan
+from simworld.motion import HEADING_RAD
 from simworld.occupancy import write_floor_plan
 from tests.scenarios.outcomes import unmoved
 from tests.scenarios.runs import everything_said
