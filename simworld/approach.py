@@ -61,6 +61,11 @@ class Expected:
         return self.off_m(at_m) <= GATE * self.sigma_m
 
     @property
+    def first_m(self) -> float:
+        """Before this there is no port yet."""
+        return self.way_m - GATE * self.sigma_m
+
+    @property
     def last_m(self) -> float:
         """Beyond this there is no port any more."""
         return self.way_m + GATE * self.sigma_m
@@ -71,13 +76,16 @@ class Stop:
     """Where the robot stands, and how far it went beyond and came back, looking in vain.
 
     ``by`` is what it stopped by: ``wall ends``, ``wall ahead`` or ``wheels``; ``expected`` where
-    its wheels say that the port is, from here.
+    its wheels say that the port is, from here. The corridor's walls are ``to_left_m`` and
+    ``to_right_m`` from the way that it came.
     """
 
     pose: Pose
     beyond_m: float
     by: str
     expected: Expected
+    to_left_m: float
+    to_right_m: float
 
     @property
     def sure(self) -> bool:
@@ -121,11 +129,17 @@ class _Looking:
     def place(self) -> InCorridor:
         return located(self.glimpses, self.expected.width_m / 2.0)
 
+    def walls_m(self) -> tuple[float, float]:
+        """How far the walls of the corridor are, left and right."""
+        half_m = self.expected.width_m / 2.0
+        return (
+            wall_m([glimpse.to_left_m for glimpse in self.glimpses], half_m),
+            wall_m([glimpse.to_right_m for glimpse in self.glimpses], half_m),
+        )
+
     def port_at_m(self, place: InCorridor) -> tuple[float, str] | None:
         """Where on the count the port is, and by what; None while nothing tells."""
-        half_m = self.expected.width_m / 2.0
-        to_left_m = wall_m([glimpse.to_left_m for glimpse in self.glimpses], half_m)
-        to_right_m = wall_m([glimpse.to_right_m for glimpse in self.glimpses], half_m)
+        to_left_m, to_right_m = self.walls_m()
         self._note_end(self.early_left_m, to_left_m, place.askew_rad)
         self._note_end(self.early_right_m, to_right_m, -place.askew_rad)
         ended_m = min(self.ended_m, key=self.expected.off_m, default=None)
@@ -175,4 +189,5 @@ def approach(begins: Pose, expected: Expected, ears: Ears, listen: Listen, move:
     at_m, by = found or (expected.way_m, "wheels")
     back_m = at_m - count.x_m
     pose = move(pose, back_m, -place.askew_rad)
-    return Stop(pose, max(0.0, -back_m), by, replace(expected, way_m=expected.way_m - at_m))
+    left = replace(expected, way_m=expected.way_m - at_m)
+    return Stop(pose, max(0.0, -back_m), by, left, *looking.walls_m())

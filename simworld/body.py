@@ -76,7 +76,7 @@ class Body:
         self._distance_m = 0.0
         self._turned_rad = 0.0
         self._at_port = self.pose
-        self._unsure: Expected | None = None
+        self._unsure: Stop | None = None
 
     def takes_ns(self, step: Primitive) -> int:
         """How long a primitive of motion takes."""
@@ -100,21 +100,26 @@ class Body:
     def arrive(self, stop: Stop) -> None:
         """Stand where an approach ended."""
         self.pose = self._at_port = stop.pose
-        self._unsure = None if stop.sure else stop.expected
+        self._unsure = None if stop.sure else stop
 
-    def find_doorway(self) -> float:
+    def find_doorway(self) -> int:
         """Where the approach could not tell the port, look for a doorway beside the junction.
 
-        Stands at its port then, if there is one. Returns how far the robot drove on for it, and
-        came back.
+        Stands at its port then, if there is one. Returns the nanoseconds that this takes.
         """
-        expected, self._unsure = self._unsure, None
-        if expected is None:
-            return 0.0
-        abeam = look_abeam(self.pose, expected, self._ears, self._listen, self._slipped)
-        port_m = abeam.port_m or 0.0
-        self.pose = self._at_port = self._slipped(abeam.pose, port_m - abeam.driven_m, 0.0)
-        return abeam.driven_m
+        stop, self._unsure = self._unsure, None
+        if stop is None:
+            return 0
+        took_ns: list[int] = []
+
+        def move(pose: Pose, forward_m: float, turn_rad: float) -> Pose:
+            took_ns.extend((self.takes_ns(Drive(forward_m)), self.takes_ns(Turn(turn_rad))))
+            return self._slipped(pose, forward_m, turn_rad)
+
+        abeam = look_abeam(stop, self._ears, self._listen, move)
+        port_m = abeam.begun_m if abeam.port_m is None else abeam.port_m
+        self.pose = self._at_port = move(abeam.pose, port_m, 0.0)
+        return sum(took_ns)
 
     def back_at_port(self) -> None:
         """Be back where the approach ended, or near."""

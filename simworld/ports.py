@@ -52,7 +52,7 @@ class PortError(ValueError):
 
 @dataclass(frozen=True)
 class Ears:
-    """Which transducers look left, right, ahead, and ahead and aside.
+    """Which transducers look left, right, ahead, behind, and ahead and aside.
 
     ``leaves_rad`` is the bearing at which a corner leaves the cones of the last two.
     """
@@ -60,6 +60,7 @@ class Ears:
     left: int
     right: int
     ahead: int
+    behind: int
     early_left: int
     early_right: int
     leaves_rad: float
@@ -82,7 +83,8 @@ def ears_of(ring: SonarRing) -> Ears:
     early = int(np.where(useful, np.abs(leaves - LEAVES_RAD), np.inf).argmin())
     side = _nearest(axes, math.pi / 2), _nearest(axes, -math.pi / 2)
     mirrored = _nearest(axes, -float(axes[early]))
-    return Ears(*side, _nearest(axes, 0.0), early, mirrored, float(leaves[early]))
+    on = _nearest(axes, 0.0), _nearest(axes, math.pi)
+    return Ears(*side, *on, early, mirrored, float(leaves[early]))
 
 
 def _nearest(axes: Floats, bearing_rad: float) -> int:

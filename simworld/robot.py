@@ -251,9 +251,9 @@ class Robot:
     def _find_doorway(self) -> Steps:
         """Before the first look around, stand where the walls say that the port is."""
         self._moves()
-        out_m = self._body.find_doorway()
-        if out_m > 0.0:
-            yield self._env.timeout(2 * self._body.takes_ns(Drive(out_m)))
+        took_ns = self._body.find_doorway()
+        if took_ns:
+            yield self._env.timeout(took_ns)
 
     def _sense(self, motion: Motion) -> Steps:
         """Carry out the steps of a sensing action, having asked what to do after it."""
