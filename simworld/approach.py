@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from simworld.following import Glimpse, InCorridor, located, steering_rad, wall_m
+from simworld.following import Glimpse, InCorridor, located, steering_rad, stray_share, wall_m
 from simworld.motion import Pose
 from simworld.ports import GONE_AFTER, Ears, end_at_m, has_ended
 
@@ -33,6 +33,9 @@ FAR_SIDE_M = 0.2
 """What the way across is wider or narrower than the corridor, or a cupboard stands before the far
 side (standard deviation, an assumption)."""
 
+SMOOTH_SHARE = 0.08
+"""So many echoes beside may be lost, or others', and the walls be smooth all the same."""
+
 Listen = Callable[[Pose], NDArray[np.float64]]
 """What the ring hears from a pose, (transducers,), nan for no echo."""
 
@@ -45,12 +48,14 @@ class Expected:
     """What the robot knows beforehand: the way to the port by its count, and how sure it is.
 
     ``way_m`` from where it begins to look, ``sigma_m`` its standard deviation; ``width_m`` of
-    the corridors, nominal.
+    the corridors, nominal; whether a corridor may begin ``left`` and ``right``, by the grid.
     """
 
     way_m: float
     sigma_m: float
     width_m: float
+    left: bool = True
+    right: bool = True
 
     def off_m(self, at_m: float) -> float:
         """How far a place is from where the port is expected."""
@@ -77,7 +82,8 @@ class Stop:
 
     ``by`` is what it stopped by: ``wall ends``, ``wall ahead`` or ``wheels``; ``expected`` where
     its wheels say that the port is, from here. The corridor's walls are ``to_left_m`` and
-    ``to_right_m`` from the way that it came.
+    ``to_right_m`` from the way that it came, and ``smooth`` unless much that it heard beside was
+    not of one straight wall.
     """
 
     pose: Pose
@@ -86,11 +92,13 @@ class Stop:
     expected: Expected
     to_left_m: float
     to_right_m: float
+    smooth: bool
 
     @property
     def sure(self) -> bool:
-        """Whether a wall ends here, about where the wheels say that it should."""
-        return self.by == "wall ends" and self.expected.off_m(0.0) <= self.expected.sigma_m
+        """Whether a smooth wall ends here, about where the wheels say that it should."""
+        as_expected = self.expected.off_m(0.0) <= self.expected.sigma_m
+        return self.smooth and self.by == "wall ends" and as_expected
 
 
 @dataclass
@@ -140,8 +148,10 @@ class _Looking:
     def port_at_m(self, place: InCorridor) -> tuple[float, str] | None:
         """Where on the count the port is, and by what; None while nothing tells."""
         to_left_m, to_right_m = self.walls_m()
-        self._note_end(self.early_left_m, to_left_m, place.askew_rad)
-        self._note_end(self.early_right_m, to_right_m, -place.askew_rad)
+        if self.expected.left:
+            self._note_end(self.early_left_m, to_left_m, place.askew_rad)
+        if self.expected.right:
+            self._note_end(self.early_right_m, to_right_m, -place.askew_rad)
         ended_m = min(self.ended_m, key=self.expected.off_m, default=None)
         if ended_m is not None and (
             self.through or self.expected.off_m(ended_m) <= SURE * self.expected.sigma_m
@@ -189,5 +199,11 @@ def approach(begins: Pose, expected: Expected, ears: Ears, listen: Listen, move:
     at_m, by = found or (expected.way_m, "wheels")
     back_m = at_m - count.x_m
     pose = move(pose, back_m, -place.askew_rad)
-    left = replace(expected, way_m=expected.way_m - at_m)
-    return Stop(pose, max(0.0, -back_m), by, left, *looking.walls_m())
+    return Stop(
+        pose,
+        max(0.0, -back_m),
+        by,
+        replace(expected, way_m=expected.way_m - at_m),
+        *looking.walls_m(),
+        stray_share(looking.glimpses) <= SMOOTH_SHARE,
+    )

@@ -82,11 +82,19 @@ class Body:
         """How long a primitive of motion takes."""
         return duration_ns(step, self._rates)
 
-    def approach(self, port: Pose, driven_m: float, width_m: float) -> Stop:
+    def approach(
+        self,
+        port: Pose,
+        driven_m: float,
+        width_m: float,
+        left: bool = True,
+        right: bool = True,
+    ) -> Stop:
         """Where the robot stops at the end of a corridor, its port being expected at ``port``.
 
         It has counted ``driven_m`` since it was last sure of its place; corridors are
-        ``width_m`` wide. Nobody is about so near to a junction.
+        ``width_m`` wide, and may begin ``left`` and ``right`` by the grid. Nobody is about so near
+        to a junction.
         """
         sigma_m = math.hypot(OFF_LINE_M, COUNT_SHARE * driven_m)
         way_m = min(LOOKS_FROM_M + GATE * sigma_m, driven_m)
@@ -94,7 +102,7 @@ class Body:
         beside, askew = self._rng.standard_normal(2)
         begins = self.in_the_middle(port.after(driven_m - counted_m - way_m))
         begins = begins.beside(FOLLOWS_SIGMA_M * beside).after(0.0, FOLLOWS_SIGMA_RAD * askew)
-        expected = Expected(way_m, sigma_m, width_m)
+        expected = Expected(way_m, sigma_m, width_m, left, right)
         return approach(begins, expected, self._ears, self._listen, self._slipped)
 
     def arrive(self, stop: Stop) -> None:

@@ -16,6 +16,9 @@ STRAYS_M = 0.03
 """An echo so far off the line counts half: a door frame, a recess, or another's echo. Passes of
 reweighted least squares (Cauchy's weights) find the line that most of them lie on."""
 
+STRAYS_OFF_M = 0.06
+"""Three standard deviations of an echo at a metre: further off the line it is not of the wall."""
+
 PASSES = 4
 
 ASKEW_BEFORE = 0.5
@@ -100,6 +103,25 @@ def located(glimpses: Sequence[Glimpse], half_m: float) -> InCorridor:
         left_m=at_zero + slope * now.forward_m + now.left_m,
         askew_rad=math.atan(slope) + now.turned_rad,
     )
+
+
+def stray_share(glimpses: Sequence[Glimpse]) -> float:
+    """The share of what was heard to the left and the right that is not of one straight wall each.
+
+    Nothing heard is not of a wall, either.
+    """
+    along = np.array([glimpse.forward_m for glimpse in glimpses])
+    left = np.array([glimpse.to_left_m + glimpse.left_m for glimpse in glimpses])
+    right = np.array([glimpse.to_right_m - glimpse.left_m for glimpse in glimpses])
+    return sum(_strays(along, side) for side in (left, right)) / (2 * len(glimpses))
+
+
+def _strays(along: NDArray[np.float64], side: NDArray[np.float64]) -> int:
+    heard = np.isfinite(side)
+    if heard.sum() < 3:
+        return len(side)
+    at_zero, slope = _line(along[heard], side[heard])
+    return int((~(np.abs(side - at_zero - slope * along) <= STRAYS_OFF_M)).sum())
 
 
 def _line(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:

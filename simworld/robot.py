@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import simpy
 
-from bus.grid import EAST, OPPOSITE, STEP, WEST
+from bus.grid import EAST, LEFT_OF, OPPOSITE, RIGHT_OF, STEP, WEST
 from bus.messages import (
     ActionEnded,
     Arrival,
@@ -162,7 +162,10 @@ class Robot:
         found first, and the drive ends there.
         """
         port = way.begins.after(way.length_m)
-        stop = self._body.approach(port, way.length_m, 2 * self._half_m)
+        left, right = (
+            self._corridor(self.place, beside[self.heading]) >= 0 for beside in (LEFT_OF, RIGHT_OF)
+        )
+        stop = self._body.approach(port, way.length_m, 2 * self._half_m, left, right)
         reached_m = way.length_m + stop.pose.ahead_of_m(port)
         yield from self._travel.along(replace(way, length_m=reached_m), self.visit)
         if stop.beyond_m > 0.0:
