@@ -39,7 +39,7 @@ from tests.scenarios.runs import everything_said, of_kind
 
 FOLDER = Path("../shared/maps")
 MAPS = {"aces": "aces/aces.yaml", "k-wing": "k-wing/k-wing.yaml"}
-PATIENCE_S = 40_000
+PATIENCE_S = 60_000
 """A run ends after so long, if the robot has not done its errands before."""
 
 
@@ -131,7 +131,7 @@ def main() -> None:
     parser.add_argument("--maps", nargs="+", choices=sorted(MAPS), default=list(MAPS))
     parser.add_argument("--seeds", default="1:20", help="first and last, inclusive")
     parser.add_argument("--robots", nargs="+", choices=list(ROBOTS), default=list(ROBOTS))
-    parser.add_argument("--errands", type=int, default=12, help="errands of a run")
+    parser.add_argument("--errands", type=int, default=20, help="errands of a run")
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where the maps are")
     given = parser.parse_args()
     first, last = (int(text) for text in given.seeds.split(":"))

@@ -129,9 +129,10 @@ count = 6
 expected_again = 3.0
 
 # A real building sounds unlike the halls of the calibration. What one visit found is looked into
-# again on the next, whatever a mistake would cost the errands; quicker errands without.
+# again on the next ones, whatever a mistake would cost the errands; quicker errands without.
 [modules.classifier]
 heeds_stakes = false
+wrong_type_s = 300_000.0
 
 [compute]
 profile = "host"

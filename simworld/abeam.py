@@ -54,10 +54,7 @@ class Abeam:
 
 @dataclass(frozen=True)
 class _Side:
-    """A side that a doorway may be on: the transducer that looks there, and how far the wall is.
-
-    ``sign`` is 1 for left, -1 for right.
-    """
+    """A side where a doorway may be: its transducer, how far its wall is, 1 for left or -1."""
 
     ear: int
     to_wall_m: float
@@ -66,9 +63,8 @@ class _Side:
 
 @dataclass(frozen=True)
 class _Heard:
-    """What was heard on the way: the ring's echoes, by the count of the way, and where it ended."""
+    """What was heard on the way: the ring's echoes, by the count of the way."""
 
-    pose: Pose
     way_m: list[float]
     ranges_m: list[Floats]
 
@@ -80,7 +76,7 @@ class _Heard:
 
 @dataclass
 class _Looking:
-    """A robot that looks: where it is, the count of its way, and the doorways heard so far."""
+    """A robot that looks: where it is, the count of its way, and how far aside of it."""
 
     ears: Ears
     listen: Listen
@@ -106,7 +102,7 @@ class _Looking:
             way_m.append(way_m[-1] + step_m)
             ranges_m.append(self.listen(self.pose))
         self.at_m = way_m[-1]
-        return _Heard(self.pose, way_m, ranges_m)
+        return _Heard(way_m, ranges_m)
 
     def sideways(self, left_m: float) -> None:
         """Be so far left of the middle, and no further on: back, veer, on, and straight again."""

@@ -54,5 +54,6 @@ def test_a_day_is_done_among_the_echoes_and_the_people_of_the_real_building() ->
     # door frames and what stands about are passed, not waited for
     runs = outcomes("aces", (1, 2), f"world.floor_plan={PLAN}")
     assert [(run.reason, run.errands) for run in runs] == [("done", 6)] * 2
-    # of the three people a day, who may come from behind a door frame
-    assert all(run.collisions <= 1 and len(run.late) <= 1 for run in runs)
+    # three people a day, who may come from behind a door frame: some are heard late
+    assert sum(run.collisions for run in runs) <= 2
+    assert all(cause.endswith("late input") for run in runs for cause in run.late)

@@ -8,7 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simworld.following import FAR, Glimpse, InCorridor, located, offset_m, steering_rad
+from simworld.following import (
+    FAR,
+    Glimpse,
+    InCorridor,
+    located,
+    offset_m,
+    steering_rad,
+    stray_share,
+)
 
 HALF_M = 1.0
 
@@ -50,3 +58,21 @@ def test_it_steers_back_to_the_middle() -> None:
     assert steering_rad(InCorridor(0.1, 0.0)) < 0.0 < steering_rad(InCorridor(-0.1, 0.0))
     assert steering_rad(InCorridor(0.0, 0.0)) == 0.0
     assert abs(steering_rad(InCorridor(5.0, 0.0))) < math.radians(5.0)
+
+
+def test_what_is_not_of_one_straight_wall_on_each_side_is_stray() -> None:
+    glimpses = straight_on(0.1, math.radians(3.0))
+    assert stray_share(glimpses) == 0.0
+    glimpses[3] = replace(glimpses[3], to_right_m=math.nan)
+    glimpses[7:11] = [replace(g, to_left_m=g.to_left_m + 0.15) for g in glimpses[7:11]]
+    assert stray_share(glimpses) == pytest.approx(5 / (2 * len(glimpses)))
+    deaf = [replace(g, to_left_m=math.nan) for g in straight_on(0.0, 0.0)]
+    assert stray_share(deaf) == 0.5
+
+
+def test_a_robot_that_turned_on_its_way_hears_smooth_walls_all_the_same() -> None:
+    swerved = [
+        Glimpse(x_m, y_m, 0.0, HALF_M - y_m, HALF_M + y_m)
+        for x_m, y_m in ((0.03 * k, 0.1 * math.sin(0.1 * k)) for k in range(40))
+    ]
+    assert stray_share(swerved) == 0.0
