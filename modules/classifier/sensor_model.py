@@ -33,7 +33,7 @@ the shipped model the others tell less than an eighth of it, or nothing, the res
 ASTRAY = 0.01
 """Pr(a visit goes astray): the robot stands elsewhere than it thinks, and all that it reads is of
 some other place. Assumption: among the echoes of the SRI K-wing one look in sixty at an open side
-is sure that it is closed, nearly all of them at a few doorways; among those of ACES none is."""
+was sure that it is closed while doorways were heard from the middle of the corridor only."""
 
 NO_BITS = 1e-9
 """Less is the rounding of nothing."""
